@@ -1,0 +1,75 @@
+"""The one decorator that compiles: numba with a disk cache that can never hold an old law.
+
+numba's own cache is keyed by the time stamp of the file a function stands in, so a kernel that calls a law from another file would silently
+keep the old law after an edit. Here the cache folder carries a hash of all sources that the kernel can reach (its own package and
+`contactlaws`), so an edit leads to an empty folder. Laws defined outside this project are not in that hash: kernels that run them are
+compiled afresh in each process (`for_law`).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numba
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("contactlaws", "fem", "calibration", "dem", "cases")
+
+
+@functools.cache
+def source_hash(*packages: str) -> str:
+    """Twelve hexadecimal digits that change with any edit of a Python file in `packages`."""
+    digest = hashlib.sha256()
+    for package in packages:
+        for file in sorted((ROOT / package).rglob("*.py")):
+            digest.update(f"{file.relative_to(ROOT)}\0".encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def cache_root() -> Path:
+    """The folder for compiled kernels: $FE2DEM_CACHE_DIR, else $XDG_CACHE_HOME/fe2dem, else ~/.cache/fe2dem, else a temporary one."""
+    named = os.environ.get("FE2DEM_CACHE_DIR")
+    root = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fe2dem"
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=root):
+            return root
+    except OSError:
+        return Path(tempfile.gettempdir()) / f"fe2dem-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
+
+
+@contextlib.contextmanager
+def _cache_folder(package: str) -> Iterator[None]:
+    """numba reads its cache folder when a function is decorated; put ours there for that moment only."""
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(cache_root() / f"kernels-{source_hash(*dict.fromkeys(('contactlaws', package)))}")
+    try:
+        yield
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile a function of this project: no Python objects, IEEE division, cached on disk under a hash of the sources."""
+    with _cache_folder(function.__module__.split(".")[0]):
+        return numba.njit(cache=True, error_model="numpy")(function)
+
+
+@functools.cache
+def _uncached(dispatcher: Any) -> Any:
+    return numba.njit(cache=False, error_model="numpy")(dispatcher.py_func)
+
+
+def for_law(loop: Any, law: object) -> Any:
+    """The compiled `loop` to run `law` with: the cached one for this project's laws, one compiled in this process for a user's own."""
+    if type(law).__module__.split(".")[0] in PACKAGES or not hasattr(loop, "py_func"):
+        return loop
+    return _uncached(loop)

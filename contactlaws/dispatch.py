@@ -1,0 +1,141 @@
+"""From the type of a law's record to its functions, the same in Python and in compiled code.
+
+A law is a frozen record of parameters (a `NamedTuple`; its first field is always `radius`, the radius in m of the body it describes) and
+four scalar compiled functions, registered once with `register`. All describe ONE body pressed by its mid-plane against a rigid
+frictionless flat, in SI units (a pair is made of it in `contactlaws.pair`):
+
+    force(law, overlap, rate, dt, state) -> (force, state)      N; state is a tuple of floats, the memory of the contact
+    contact_radius(law, overlap, state) -> float                 m
+    energy(law, overlap, state) -> (stored, dissipated)          J, both functions of the state alone; stored can be got back
+    stiffness_bound(law, overlap) -> float                       N/m; the largest tangent over all histories up to `overlap`
+
+`overlap` below or at zero means no contact: force 0 and the initial state. Kernels call `normal_force`, `contact_radius`, `energy`,
+`stiffness_bound`, `initial_state` of this module; numba picks the function from the record's type while compiling, so it costs nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from numba import types
+from numba.extending import overload
+
+from contactlaws.errors import InputError, Problem
+
+
+class Law(NamedTuple):
+    """What is registered for one type of record."""
+
+    name: str  # as in files and on the command line
+    record: type
+    force: Callable[..., Any]
+    contact_radius: Callable[..., Any]
+    energy: Callable[..., Any]
+    stiffness_bound: Callable[..., Any]
+    memory: tuple[str, ...]  # one name per float of state; () for a law without memory
+    source: str  # paper and equations, as corrected
+
+
+_LAWS: dict[type, Law] = {}
+
+
+def register(law: Law) -> None:
+    """Make a law known to all loops. A record type is registered once; doing it again raises `InputError`."""
+    if law.record in _LAWS or any(law.name == other.name for other in _LAWS.values()):
+        raise InputError(Problem("law", law.name, "is registered already", "choose another name and another record"))
+    _LAWS[law.record] = law
+
+
+def laws() -> dict[str, Law]:
+    """All registered laws by name."""
+    return {law.name: law for law in _LAWS.values()}
+
+
+def law_of(record: object) -> Law:
+    """The registered law of a parameter record (or of its type); raises `InputError` if there is none."""
+    found = _LAWS.get(record if isinstance(record, type) else type(record))
+    if found is None:
+        raise InputError(Problem("law", type(record).__name__, f"is no registered law ({', '.join(laws())})", "call contactlaws.register first"))
+    return found
+
+
+def normal_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
+    """Force in N and new memory of one body at `overlap` (m), closing at `rate` (m/s), `dt` (s) after `state`."""
+    return law_of(law).force(law, overlap, rate, dt, state)
+
+
+def contact_radius(law, overlap, state):  # type: ignore[no-untyped-def]
+    """Contact radius in m."""
+    return law_of(law).contact_radius(law, overlap, state)
+
+
+def energy(law, overlap, state):  # type: ignore[no-untyped-def]
+    """Stored and dissipated energy of one body in J."""
+    return law_of(law).energy(law, overlap, state)
+
+
+def stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
+    """Largest tangent stiffness in N/m of one body over all histories that stay at or below `overlap`."""
+    return law_of(law).stiffness_bound(law, overlap)
+
+
+def initial_state(law):  # type: ignore[no-untyped-def]
+    """Memory of a contact that has never been touched: a tuple of zeros."""
+    return (0.0,) * len(law_of(law).memory)
+
+
+def load_state(law, memory, index):  # type: ignore[no-untyped-def]
+    """The state tuple kept in row `index` of `memory`, an array of shape (contacts, floats of state)."""
+    return tuple(memory[index, i] for i in range(len(law_of(law).memory)))
+
+
+def _numba_law(law: Any) -> Law:
+    if not isinstance(law, types.BaseNamedTuple):
+        raise InputError(Problem("law", str(law), "must be a registered NamedTuple", "pass the record, not a plain tuple"))
+    return law_of(law.instance_class)
+
+
+@overload(normal_force)
+def _(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
+    function = _numba_law(law).force
+    return lambda law, overlap, rate, dt, state: function(law, overlap, rate, dt, state)
+
+
+@overload(contact_radius)
+def _(law, overlap, state):  # type: ignore[no-untyped-def]
+    function = _numba_law(law).contact_radius
+    return lambda law, overlap, state: function(law, overlap, state)
+
+
+@overload(energy)
+def _(law, overlap, state):  # type: ignore[no-untyped-def]
+    function = _numba_law(law).energy
+    return lambda law, overlap, state: function(law, overlap, state)
+
+
+@overload(stiffness_bound)
+def _(law, overlap):  # type: ignore[no-untyped-def]
+    function = _numba_law(law).stiffness_bound
+    return lambda law, overlap: function(law, overlap)
+
+
+@overload(initial_state)
+def _(law):  # type: ignore[no-untyped-def]
+    zeros = (0.0,) * len(_numba_law(law).memory)
+    return lambda law: zeros
+
+
+@overload(load_state)
+def _(law, memory, index):  # type: ignore[no-untyped-def]
+    # numba builds a tuple only from a written-out expression, so there is one for each length in use
+    size = len(_numba_law(law).memory)
+    if size == 0:
+        return lambda law, memory, index: ()
+    if size == 1:
+        return lambda law, memory, index: (memory[index, 0],)
+    if size == 2:
+        return lambda law, memory, index: (memory[index, 0], memory[index, 1])
+    if size == 3:
+        return lambda law, memory, index: (memory[index, 0], memory[index, 1], memory[index, 2])
+    raise InputError(Problem("memory", size, "at most 3 floats per contact are supported", "add a case to load_state"))
