@@ -1,0 +1,1 @@
+"""Case files, the runner, the command line, plots and the report: the only package that knows all the others."""
