@@ -1,0 +1,72 @@
+# Each target sets up .venv by itself and reuses it until requirements.lock or pyproject.toml change.
+# Needs git, make, python3 (3.11 or newer) and python3-venv; uses uv where it is installed, because it is faster.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/ready
+JOBS ?= 2
+PYTEST := $(BIN)/python -m pytest
+
+# one thread per process: the work is spread over processes
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+export MKL_NUM_THREADS := 1
+
+.PHONY: help demo test test-interpreted lint format verify benchmark picture lock clean
+
+help: ## list the targets
+	@grep -E '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 20
+
+demo: $(READY) ## from a material to a DEM run: writes results/quickstart/report.html
+	@echo "demo: fe2dem run cases/quickstart.toml"
+	@$(BIN)/fe2dem run cases/quickstart.toml --out results/quickstart
+
+test: $(READY) ## the test suite, compiled
+	@echo "test: pytest on $(JOBS) processes, kernels compiled"
+	@$(PYTEST) -n $(JOBS) -q
+
+test-interpreted: $(READY) ## the test suite with numba switched off, apart from the tests that say why not
+	@echo "test-interpreted: pytest on $(JOBS) processes, kernels interpreted"
+	@NUMBA_DISABLE_JIT=1 $(PYTEST) -n $(JOBS) -q
+
+lint: $(READY) ## ruff, mypy, and the direction of imports
+	@echo "lint: ruff check"; $(BIN)/ruff check .
+	@echo "lint: ruff format --check"; $(BIN)/ruff format --check .
+	@echo "lint: mypy"; $(BIN)/mypy
+	@echo "lint: import-linter"; $(BIN)/lint-imports
+
+format: $(READY) ## let ruff lay out the sources
+	@$(BIN)/ruff check --fix-only . && $(BIN)/ruff format .
+
+verify: $(READY) ## comparison with analysis and with another code's curves
+	@echo "verify: slow comparisons with analysis and with CalculiX curves; several minutes on 2 cores"
+	@$(PYTEST) -n $(JOBS) -m verification -q
+
+benchmark: $(READY) ## CPU seconds per curve, beside CalculiX where ccx is installed
+	@$(BIN)/python -m cases.benchmarks
+
+picture: $(READY) ## the README's picture, from the demo's results
+	@$(BIN)/fe2dem run cases/quickstart.toml --out results/quickstart
+	@$(BIN)/python -m cases.pictures results/quickstart docs/pictures
+
+lock: ## pin all dependencies anew (needs uv)
+	uv pip compile --universal --generate-hashes --python-version 3.11 --group dev --no-annotate --no-header --upgrade pyproject.toml -o requirements.lock
+
+clean: ## remove .venv and all caches; results/ stays
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(READY): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and f"set-up: Python 3.11 or newer is needed, $(PYTHON) is {sys.version.split()[0]}; try make PYTHON=python3.12")'
+	@if command -v uv >/dev/null; then set -e; \
+		echo "set-up: uv creates $(VENV)"; uv venv --quiet --allow-existing --python "$$(command -v $(PYTHON))" $(VENV); \
+		echo "set-up: uv installs the packages pinned in requirements.lock"; uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements.lock; \
+		uv pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation -e .; \
+	else set -e; \
+		echo "set-up: python3 -m venv creates $(VENV)"; $(PYTHON) -m venv $(VENV); \
+		echo "set-up: pip installs the packages pinned in requirements.lock (a few minutes; uv would be faster)"; \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all: --require-hashes -r requirements.lock; \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .; \
+	fi
+	@touch $(READY); echo "set-up: $(VENV) is ready"

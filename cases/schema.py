@@ -1,0 +1,230 @@
+"""The case file: what may stand in it, with units and bounds. Unknown keys are errors, and all errors come at once."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from cases.validation import Record, in_unit, problems_in, suggestion
+from contactlaws.errors import InputError, Problem
+from contactlaws.material import Material
+
+_positive = Field(gt=0, allow_inf_nan=False)
+Modulus = Annotated[float, in_unit("Pa"), _positive]
+Length = Annotated[float, in_unit("m"), _positive]
+Density = Annotated[float, in_unit("kg/m^3"), _positive]
+Speed = Annotated[float, in_unit("m/s"), _positive]
+Rate = Annotated[float, in_unit("1/s"), _positive]
+Ratio = Annotated[float, in_unit(""), _positive]
+#: overlap over radius; the mesh carries a body to half its radius
+Depth = Annotated[float, in_unit(""), Field(gt=0, le=0.5, allow_inf_nan=False)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+
+
+class MaterialTable(Record):
+    """[materials.NAME]: isotropic elastic, perfectly plastic if a yield stress is given."""
+
+    youngs_modulus: Modulus = Field(description="Young's modulus, such as '142 GPa'")
+    poissons_ratio: Annotated[float, in_unit("")] = Field(
+        ge=0, lt=0.5, allow_inf_nan=False, description="Poisson's ratio, such as 0.25, or 0.49 for a nearly incompressible body"
+    )
+    yield_stress: Modulus | None = Field(None, description="the yield stress, such as '7.9 GPa'")
+    density: Density | None = Field(None, description="the density, such as '4750 kg/m^3'")
+
+    def record(self, elastic: bool = False) -> Material:
+        """The constants as the solvers take them."""
+        return Material(self.youngs_modulus, self.poissons_ratio, None if elastic else self.yield_stress, self.density)
+
+
+class CurveTable(Record):
+    """[curves.NAME]: one finite-element reference curve."""
+
+    material: str = Field(description="the name of a table under [materials]")
+    radius: Length = Field(description="half the height of the body, such as '5 um'")
+    aspect: Ratio = Field(1.0, description="equatorial semi-axis over radius; 1 is a sphere")
+    elastic: bool = Field(False, description="true leaves the yield stress out")
+    unload_from: tuple[Depth, ...] = Field((), description="overlaps over radius to unload from, such as [0.05, 0.1]")
+    max_overlap: Depth | None = Field(None, description="largest overlap over radius; without it the largest of unload_from")
+    tolerance: Annotated[float, in_unit("")] = Field(
+        0.01, ge=1e-4, le=0.2, allow_inf_nan=False, description="relative error asked for, such as 0.01"
+    )
+
+
+class FitTable(Record):
+    """[fits.NAME]: one law fitted to one or several curves."""
+
+    law: str = Field(description="a law's name as listed by `fe2dem laws`")
+    curves: tuple[str, ...] = Field(min_length=1, description="names of tables under [curves], or paths of curve files")
+
+
+class Spheres(Record):
+    """The equal bodies of an impact or a scene."""
+
+    radius: Length = Field(description="the spheres' radius, such as '5 um'")
+    density: Density = Field(description="the density, such as '4750 kg/m^3'")
+
+
+class Impact(Spheres):
+    """Two equal spheres that collide head-on, once at each of the speeds."""
+
+    speed: tuple[Speed, ...] = Field(min_length=1, description="closing speeds, such as ['1 m/s', '10 m/s']")
+
+
+class Scene(Spheres):
+    """A random close packing of equal spheres in a periodic box, compressed along one axis and released."""
+
+    count: int = Field(ge=8, le=1_000_000, description="the number of spheres, such as 250")
+    packing_fraction: Annotated[float, in_unit("")] = Field(
+        gt=0,
+        le=0.64,  # frictionless equal spheres jam there; a denser random packing doesn't exist
+        allow_inf_nan=False,
+        description="solid over box volume, such as 0.635; random close packings of equal spheres end at 0.64",
+    )
+    strain: Annotated[float, in_unit("")] = Field(
+        gt=0, lt=0.5, allow_inf_nan=False, description="the largest compressive strain, such as 0.03"
+    )
+    strain_rate: Rate = Field(description="the strain rate, such as '100 1/s'")
+    release: bool = Field(True, description="whether the strain is taken back at the same rate")
+    seed: int = Field(1, ge=0, description="the seed of the random packing")
+
+
+class ImpactTable(Impact):
+    """[impacts.NAME]: the restitution curve of a fitted law."""
+
+    fit: str = Field(description="the name of a table under [fits], or the path of a law file")
+
+
+class SceneTable(Scene):
+    """[scenes.NAME]: the compression of a packing on a fitted law."""
+
+    fit: str = Field(description="the name of a table under [fits], or the path of a law file")
+
+
+class SceneFile(Scene):
+    """A scene on its own, for `fe2dem simulate`: one scene's keys at the top of the file."""
+
+    law: str | None = Field(None, description="the path of a law file, relative to this file; --law takes its place")
+
+
+class Case(Record):
+    """A case file: what is to be computed, by name."""
+
+    title: str = "fe2dem case"
+    materials: dict[Name, MaterialTable] = Field(min_length=1, description="at least one table [materials.NAME]")
+    curves: dict[Name, CurveTable] = Field(default_factory=dict)
+    fits: dict[Name, FitTable] = Field(default_factory=dict)
+    impacts: dict[Name, ImpactTable] = Field(default_factory=dict)
+    scenes: dict[Name, SceneTable] = Field(default_factory=dict)
+
+
+TABLES: dict[str, type[Record]] = {
+    "materials": MaterialTable,
+    "curves": CurveTable,
+    "fits": FitTable,
+    "impacts": ImpactTable,
+    "scenes": SceneTable,
+}
+
+
+def read_case(path: str | Path) -> Case:
+    """Read and check a case file. Raises `InputError` with all its problems, before anything is computed."""
+    values, folder = read_toml(path), Path(path).resolve().parent
+    try:
+        case, problems = Case.model_validate(values), []
+    except ValidationError as error:
+        case, problems = _sound_part(values), list(problems_in(error, Case))
+    declared = {kind: set(tables) for kind, tables in values.items() if isinstance(tables, dict)}
+    problems += _cross_problems(case, declared, folder)
+    if problems:
+        raise InputError(problems)
+    return case
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """The tables of a TOML file; raises `InputError` where it is missing or no TOML."""
+    try:
+        with Path(path).open("rb") as file:
+            return tomllib.load(file)
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not a text file"
+        raise InputError(Problem("file", str(path), f"cannot be read ({reason})", "give the path of a TOML file")) from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(Problem("file", str(path), f"is not valid TOML ({error})", "repair that line; text values need quotes")) from None
+
+
+def is_file(reference: str) -> bool:
+    """Whether a reference to a curve or a law means a file, not a table of the same case."""
+    return reference.endswith((".csv", ".parquet", ".json"))
+
+
+def depth_problems(prefix: str, unload_from: tuple[float, ...], max_overlap: float | None) -> Iterator[Problem]:
+    """A curve needs to know how far to go, and cannot unload from beyond it."""
+    if not unload_from and max_overlap is None:
+        yield Problem(f"{prefix}max_overlap", None, "is needed where nothing is unloaded", "give an overlap over radius such as 0.1")
+    beyond = [depth for depth in unload_from if max_overlap is not None and depth > max_overlap]
+    if beyond:
+        yield Problem(
+            f"{prefix}unload_from",
+            beyond[0],
+            f"is beyond max_overlap = {max_overlap:g}",
+            "unload from a smaller overlap, or raise max_overlap",
+        )
+
+
+def _sound_part(values: Mapping[str, Any]) -> Case:
+    """The tables that are right in themselves, so that what is wrong between tables is found in the same pass."""
+    sound: dict[str, Any] = {}
+    for kind, field in Case.model_fields.items():
+        if kind != "title":
+            reader = TypeAdapter(TABLES[kind])
+            tables = values.get(kind)
+            sound[kind] = (
+                dict(_readable(reader, tables)) if isinstance(tables, dict) else field.get_default(call_default_factory=True) or {}
+            )
+    return Case.model_construct(**sound)
+
+
+def _readable(reader: TypeAdapter[Any], tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for name, table in tables.items():
+        try:
+            yield name, reader.validate_python(table)
+        except ValidationError:
+            continue
+
+
+def _cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) -> Iterator[Problem]:
+    """What no single table can know: names that point nowhere, a plastic curve of a material without yield stress, missing depths."""
+    from contactlaws.dispatch import laws as known_laws
+
+    for name, curve in case.curves.items():
+        yield from _reference(f"curves.{name}.material", curve.material, declared.get("materials", ()))
+        material = case.materials.get(curve.material)
+        if material and material.yield_stress is None and not curve.elastic:
+            yield missing_yield_stress(f"materials.{curve.material}.yield_stress", f"is needed by curves.{name}")
+        yield from depth_problems(f"curves.{name}.", curve.unload_from, curve.max_overlap)
+    for name, fit in case.fits.items():
+        yield from _reference(f"fits.{name}.law", fit.law, known_laws(), bound="is not a law that can be fitted")
+        for curve_name in fit.curves:
+            yield from _reference(f"fits.{name}.curves", curve_name, declared.get("curves", ()), folder)
+    for kind, tables in (("impacts", case.impacts), ("scenes", case.scenes)):
+        for name, table in tables.items():
+            yield from _reference(f"{kind}.{name}.fit", table.fit, declared.get("fits", ()), folder)
+
+
+def missing_yield_stress(name: str, bound: str) -> Problem:
+    """A plastic curve asked for without a yield stress: never silently an elastic one."""
+    return Problem(name, None, bound, "give a stress such as '7.9 GPa', or ask for an elastic curve (elastic = true, --elastic)")
+
+
+def _reference(
+    name: str, value: str, declared: Collection[str], folder: Path | None = None, bound: str = "names nothing in this file"
+) -> Iterator[Problem]:
+    if folder is not None and is_file(value):
+        if not (folder / value).is_file():
+            yield Problem(name, value, f"is no file under {folder}", "paths are relative to the case file")
+    elif value not in declared:
+        yield Problem(name, value, bound, suggestion(value, sorted(declared)))
