@@ -1,1 +1,8 @@
-"""Contact laws: parameter records, the scalar compiled functions on them, and the reference curves they are held against."""
+"""Contact laws: parameter records, the scalar compiled functions on them, and the reference curves they are held against.
+
+Importing this package makes the laws of this project known to `contactlaws.dispatch`.
+"""
+
+from contactlaws import elastic, elastoplastic
+
+__all__ = ["elastic", "elastoplastic"]

@@ -18,6 +18,8 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba import types
+from numba.core.caching import FunctionCache
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("contactlaws", "fem", "calibration", "dem", "cases")
@@ -57,10 +59,34 @@ def _cache_folder(package: str) -> Iterator[None]:
         numba.config.CACHE_DIR = before
 
 
+def _from_outside(signature: Any) -> bool:
+    """Whether a record from outside this project is among the types of a compiled signature."""
+    records = (kind.instance_class for kind in getattr(signature, "args", signature) if isinstance(kind, types.BaseNamedTuple))
+    return any(record.__module__.split(".")[0] not in PACKAGES for record in records)
+
+
+class _ProjectCache(FunctionCache):
+    """numba's disk cache, closed to laws from outside this project: their sources are in no hash, so what is on disk may be stale.
+
+    Every function on the way down to the law must stay out of the cache, not only the loop: a loop that is compiled afresh would still
+    load the stale `pair_force` that it calls.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        return None if _from_outside(sig) else super().load_overload(sig, target_context)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        if not _from_outside(sig):
+            super().save_overload(sig, data)
+
+
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a function of this project: no Python objects, IEEE division, cached on disk under a hash of the sources."""
-    with _cache_folder(function.__module__.split(".")[0]):
-        return numba.njit(cache=True, error_model="numpy")(function)
+    compiled = numba.njit(error_model="numpy")(function)
+    if not numba.config.DISABLE_JIT:
+        with _cache_folder(function.__module__.split(".")[0]):
+            compiled._cache = _ProjectCache(function)
+    return compiled
 
 
 @functools.cache

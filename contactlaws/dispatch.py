@@ -90,6 +90,12 @@ def load_state(law, memory, index):  # type: ignore[no-untyped-def]
     return tuple(memory[index, i] for i in range(len(law_of(law).memory)))
 
 
+def store_state(law, memory, index, state):  # type: ignore[no-untyped-def]
+    """Write the state tuple into row `index` of `memory`, an array of shape (contacts, floats of state)."""
+    for i in range(len(law_of(law).memory)):
+        memory[index, i] = state[i]
+
+
 def _numba_law(law: Any) -> Law:
     if not isinstance(law, types.BaseNamedTuple):
         raise InputError(Problem("law", str(law), "must be a registered NamedTuple", "pass the record, not a plain tuple"))
@@ -139,3 +145,15 @@ def _(law, memory, index):  # type: ignore[no-untyped-def]
     if size == 3:
         return lambda law, memory, index: (memory[index, 0], memory[index, 1], memory[index, 2])
     raise InputError(Problem("memory", size, "at most 3 floats per contact are supported", "add a case to load_state"))
+
+
+@overload(store_state)
+def _(law, memory, index, state):  # type: ignore[no-untyped-def]
+    if not _numba_law(law).memory:
+        return lambda law, memory, index, state: None
+
+    def store(law, memory, index, state):  # type: ignore[no-untyped-def]
+        for i in range(len(state)):
+            memory[index, i] = state[i]
+
+    return store

@@ -50,3 +50,104 @@ def hertz_stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
 
 
 register(Law("hertz", Hertz, hertz_force, hertz_contact_radius, hertz_energy, hertz_stiffness_bound, (), "Hertz 1882"))
+
+
+class HertzFiniteSize(NamedTuple):
+    """Hertz times a polynomial in the square root of the overlap over the radius, for a body that is no half-space.
+
+    F = F_Hertz (1 + c1 sqrt(D) + c2 D + c3 D^1.5) and a^2 = R d (1 + b1 sqrt(D) + b2 D) with D = d/R. The coefficients are fitted to an elastic
+    reference curve and depend on Poisson's ratio only; all zero is Hertz.
+
+    >>> law = HertzFiniteSize(5e-6, 151.47e9, 0.0, 1.0, 0.0, 0.0, 0.0)
+    >>> force, _ = hertz_finite_size_force(law, 5e-8, 0.0, 0.0, ())
+    >>> round(force * 1e3, 3)
+    5.099
+    """
+
+    radius: float  # m
+    reduced_modulus: float  # Pa; E/(1 - nu^2) of the one body
+    force_1: float  # c1, factor of sqrt(D)
+    force_2: float  # c2, factor of D
+    force_3: float  # c3, factor of D^1.5
+    area_1: float  # b1, factor of sqrt(D)
+    area_2: float  # b2, factor of D
+
+
+@kernel
+def finite_size_force(law, overlap):  # type: ignore[no-untyped-def]
+    """Force in N of any record that has the fields of `HertzFiniteSize`; `overlap` must not be negative."""
+    t = math.sqrt(overlap / law.radius)
+    factor = 1.0 + t * (law.force_1 + t * (law.force_2 + t * law.force_3))
+    return 4.0 / 3.0 * law.reduced_modulus * law.radius * t * overlap * factor
+
+
+@kernel
+def finite_size_energy(law, overlap):  # type: ignore[no-untyped-def]
+    """Integral of `finite_size_force` from 0, term by term."""
+    t = math.sqrt(overlap / law.radius)
+    factor = 2.0 / 5.0 + t * (law.force_1 / 3.0 + t * (law.force_2 * 2.0 / 7.0 + t * law.force_3 / 4.0))
+    return 4.0 / 3.0 * law.reduced_modulus * law.radius * t * overlap * overlap * factor
+
+
+@kernel
+def finite_size_stiffness(law, overlap):  # type: ignore[no-untyped-def]
+    """Derivative of `finite_size_force`."""
+    t = math.sqrt(overlap / law.radius)
+    factor = 1.5 + t * (2.0 * law.force_1 + t * (2.5 * law.force_2 + t * 3.0 * law.force_3))
+    return 4.0 / 3.0 * law.reduced_modulus * law.radius * t * factor
+
+
+@kernel
+def finite_size_area(law, overlap):  # type: ignore[no-untyped-def]
+    """Contact radius squared in m2."""
+    t = math.sqrt(overlap / law.radius)
+    return law.radius * overlap * max(0.0, 1.0 + t * (law.area_1 + t * law.area_2))
+
+
+@kernel
+def largest_finite_size_stiffness(law, overlap):  # type: ignore[no-untyped-def]
+    """Largest tangent from 0 to `overlap`: the tangent itself where it grows, else the largest of 33 along the way."""
+    largest = finite_size_stiffness(law, overlap)
+    for i in range(1, 33):
+        largest = max(largest, finite_size_stiffness(law, overlap * i / 33.0))
+    return largest
+
+
+@kernel
+def hertz_finite_size_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
+    """Hertz with the finite-size factor."""
+    if overlap <= 0.0:
+        return 0.0, state
+    return finite_size_force(law, overlap), state
+
+
+@kernel
+def hertz_finite_size_contact_radius(law, overlap, state):  # type: ignore[no-untyped-def]
+    """a^2 = R d (1 + b1 sqrt(D) + b2 D)."""
+    return math.sqrt(finite_size_area(law, max(overlap, 0.0)))
+
+
+@kernel
+def hertz_finite_size_energy(law, overlap, state):  # type: ignore[no-untyped-def]
+    """All stored, nothing dissipated."""
+    return finite_size_energy(law, max(overlap, 0.0)), 0.0
+
+
+@kernel
+def hertz_finite_size_stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
+    """The largest tangent up to `overlap`."""
+    return largest_finite_size_stiffness(law, max(overlap, 0.0))
+
+
+register(
+    Law(
+        "hertz_finite_size",
+        HertzFiniteSize,
+        hertz_finite_size_force,
+        hertz_finite_size_contact_radius,
+        hertz_finite_size_energy,
+        hertz_finite_size_stiffness_bound,
+        (),
+        "Hertz 1882, with a factor fitted to elastic finite-element curves",
+    )
+)
