@@ -1,0 +1,5 @@
+"""From curves to laws: fitting, how far a fit can be trusted, and tables of fits."""
+
+from calibration.fit import Fit, fit
+
+__all__ = ["Fit", "fit"]

@@ -1,0 +1,145 @@
+"""From curves to one law, with its errors: least squares on force, contact radius and unloading together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import least_squares
+
+from calibration.recipes import Recipe, free_names, recipe_for
+from calibration.residuals import WEIGHTS, Measures, blocks, measures, residual_vector
+from calibration.trust import Trust, doubts, trust
+from contactlaws.curve import Curve
+from contactlaws.errors import InputError, Problem, require
+from contactlaws.fitted import FittedLaw
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted law and everything that says how good it is."""
+
+    fitted: FittedLaw  # the record, its range, its standard errors: what `contactlaws.fitted.save` writes
+    free: tuple[str, ...]  # the fitted parameters, in the order of `correlation`
+    correlation: FloatArray  # NaN for a parameter that the curves say nothing about
+    condition_number: float  # of the scaled Jacobian; infinite with such a parameter
+    misfit: float  # residuals over the curves' own error; above 1 the law is the limit
+    residuals: Measures
+    warnings: tuple[str, ...]
+    evaluations: int  # of the law along all curves, without those for derivatives
+
+    @property
+    def law(self) -> Any:
+        """The law record."""
+        return self.fitted.law
+
+    @property
+    def standard_errors(self) -> Mapping[str, float | None]:
+        """In the unit of each free parameter; None: the curves say nothing about it."""
+        return self.fitted.standard_errors
+
+
+def fit(
+    curves: Curve | Sequence[Curve],
+    law: str = "thornton",
+    fixed: Mapping[str, float] | None = None,
+    weights: Mapping[str, float] | None = None,
+    free: Iterable[str] = (),
+) -> Fit:
+    """Fit the registered law named `law` to one body's curves.
+
+    Parameters that follow from the curves' material are taken from it; `fixed` gives or overrides values, `free` names some to be fitted all the
+    same. `weights` of force, contact_radius and unloading multiply the squares (each branch counts as one datum with the curve's own error).
+    Measured curves (no material, no contact radius) are fitted the same way, with more parameters free.
+
+    Raises `InputError` for curves of different bodies or materials, unknown names, or a parameter that must be given.
+    """
+    given = (curves,) if isinstance(curves, Curve) else tuple(curves)
+    recipe, chosen, held = recipe_for(law), {**WEIGHTS, **(weights or {})}, dict(fixed or {})
+    require(_problems(given, recipe, chosen, held, tuple(free)))
+    known = {**recipe.constants(given, held), **held}
+    selected = recipe.select(given)
+    unknown = free_names(recipe, known, free)
+    start = {**recipe.start(selected, known), **known}
+    parts = blocks(selected, chosen)
+
+    def record(inner: FloatArray) -> Any:
+        values = {parameter.name: parameter.outer(float(z)) for parameter, z in zip(unknown, inner, strict=True)}
+        return recipe.build(selected, {**start, **values})
+
+    inner = np.array([parameter.inner(start[parameter.name]) for parameter in unknown])
+    parts = [part for part in parts if np.isfinite(residual_vector(record(inner), selected, [part])).all()]
+    inner, found, evaluations, failed = _solve(lambda z: residual_vector(record(z), selected, parts), inner, sum(p.share.sum() for p in parts))
+    outcome = record(inner)
+    errors = {
+        parameter.name: float(error * parameter.slope(z)) if math.isfinite(error) else None
+        for parameter, z, error in zip(unknown, inner, found.errors, strict=True)
+    }
+    names = tuple(parameter.name for parameter in unknown)
+    fitted = FittedLaw(
+        law=outcome,
+        max_overlap=max(float(curve.overlap.max()) for curve in selected),
+        material=selected[0].material,
+        curve_hashes=tuple(curve.content_hash for curve in given),
+        standard_errors=errors,
+    )
+    warnings = (*failed, *doubts(found, names, [p.above is not None for p in unknown]), *_remarks(selected))
+    return Fit(fitted, names, found.correlation, found.condition_number, found.misfit, measures(outcome, selected), warnings, evaluations)
+
+
+def _solve(difference: Any, inner: FloatArray, data: float) -> tuple[FloatArray, Trust, int, tuple[str, ...]]:
+    if inner.size == 0:
+        rows = difference(inner)
+        return inner, trust(np.zeros((rows.size, 0)), rows, data), 1, ()
+    result = least_squares(difference, inner, method="trf", x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=500)
+    failed = () if result.success else (f"the least squares stopped early: {result.message}",)
+    return result.x, trust(result.jac, result.fun, data), int(result.nfev), failed
+
+
+def _remarks(curves: Sequence[Curve]) -> Iterator[str]:
+    for curve in curves:
+        if curve.stopped:
+            yield f"curve {curve.content_hash} ends early: {curve.stopped}"
+
+
+def _problems(
+    curves: Sequence[Curve], recipe: Recipe, weights: Mapping[str, float], fixed: Mapping[str, float], free: tuple[str, ...]
+) -> Iterator[Problem]:
+    if not curves:
+        yield Problem("curves", 0, "a fit needs at least one", "give a curve")
+        return
+    names = [parameter.name for parameter in recipe.parameters]
+    for name, value in fixed.items():
+        if name not in names:
+            yield Problem(f"fixed[{name}]", value, f"{recipe.law} has {', '.join(names)}", "rename or drop it")
+        elif isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            yield Problem(f"fixed[{name}]", value, "must be a finite number", "give it in SI units")
+    for name in free:
+        if name not in names or name in fixed:
+            yield Problem(f"free[{name}]", name, f"must be one of {', '.join(names)} that is not fixed", "rename or drop it")
+    for name, weight in weights.items():
+        if name not in WEIGHTS or not (math.isfinite(weight) and weight >= 0.0):
+            yield Problem(f"weights[{name}]", weight, f"must be a number from 0 for one of {', '.join(WEIGHTS)}", "correct it")
+    first = curves[0]
+    for number, curve in enumerate(curves[1:], 1):
+        if not math.isclose(curve.radius, first.radius, rel_tol=1e-9) or curve.aspect != first.aspect:
+            yield Problem(f"curves[{number}]", (curve.radius, curve.aspect), "is of another body (radius, aspect)", "fit each body on its own")
+        if not _same_elasticity(curve, first):
+            yield Problem(f"curves[{number}]", curve.material, f"is of another material than {first.material}", "fit each material on its own")
+
+
+def _same_elasticity(curve: Curve, other: Curve) -> bool:
+    """The same material, or its elastic version."""
+    if curve.material is None or other.material is None:
+        return curve.material is other.material
+    one, two = curve.material, other.material
+    same = math.isclose(one.youngs_modulus, two.youngs_modulus, rel_tol=1e-9) and math.isclose(one.poissons_ratio, two.poissons_ratio, abs_tol=1e-12)
+    return same and (one.yield_stress is None or two.yield_stress is None or math.isclose(one.yield_stress, two.yield_stress, rel_tol=1e-9))
+
+

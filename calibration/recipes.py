@@ -1,0 +1,158 @@
+"""What fitting a law needs beyond the law itself: which parameters may be free, how they are scaled, where to start."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contactlaws import dispatch
+from contactlaws.curve import Curve
+from contactlaws.elastic import HertzFiniteSize
+from contactlaws.errors import InputError, Problem
+
+Values = Mapping[str, float]
+
+
+class Parameter(NamedTuple):
+    """A parameter that a fit may change; `above` is a bound that it stays above by a logarithmic transform, None for any real number."""
+
+    name: str
+    above: float | None = 0.0
+
+    def inner(self, value: float) -> float:
+        """The unbounded number that the least squares work on; raises `InputError` for a start outside the bound."""
+        if self.above is None:
+            return value
+        if not value > self.above:
+            raise InputError(Problem(self.name, value, f"must be above {self.above}", "give another starting or fixed value"))
+        return math.log(value - self.above)
+
+    def outer(self, inner: float) -> float:
+        """The parameter's value."""
+        return inner if self.above is None else self.above + math.exp(min(inner, 700.0))
+
+    def slope(self, inner: float) -> float:
+        """Derivative of `outer`."""
+        return 1.0 if self.above is None else math.exp(min(inner, 700.0))
+
+
+class Recipe(NamedTuple):
+    """How to fit one law."""
+
+    law: str
+    parameters: tuple[Parameter, ...]  # those that may be free
+    select: Callable[[Sequence[Curve]], Sequence[Curve]]  # the curves, or the parts of them, that this law can describe
+    constants: Callable[[Sequence[Curve], Values], Values]  # what is known from all curves given, before the fit; second argument: given by the user
+    start: Callable[[Sequence[Curve], Values], Values]  # starting values from the selected curves and what is known
+    build: Callable[[Sequence[Curve], Values], Any]  # the record; curves are the selected ones
+
+
+_RECIPES: dict[str, Recipe] = {}
+
+
+def register(recipe: Recipe) -> None:
+    """Make a law fittable; a recipe of the same name is replaced."""
+    _RECIPES[recipe.law] = recipe
+
+
+def recipe_for(law: str) -> Recipe:
+    """The recipe of a registered law; raises `InputError` naming the known ones."""
+    if law not in _RECIPES:
+        raise InputError(Problem("law", law, f"no recipe to fit it; known are {', '.join(_RECIPES)}", "choose one, or calibration.recipes.register yours"))
+    return _RECIPES[law]
+
+
+def record_of(law: str) -> Callable[[Sequence[Curve], Values], Any]:
+    """A builder for laws whose record is made of nothing but its values."""
+    return lambda curves, values: dispatch.laws()[law].record(**values)
+
+
+def is_elastic(curve: Curve) -> bool:
+    """The material of the curve is known to have no yield stress."""
+    return curve.material is not None and curve.material.yield_stress is None
+
+
+def all_curves(curves: Sequence[Curve]) -> Sequence[Curve]:
+    """All of them."""
+    return curves
+
+
+def plastic_curves(curves: Sequence[Curve]) -> Sequence[Curve]:
+    """Those that yield, if any do."""
+    return [curve for curve in curves if not is_elastic(curve)] or curves
+
+
+def elastic_parts(curves: Sequence[Curve]) -> Sequence[Curve]:
+    """The elastic curves, if any; else the loadings up to first yield; curves of unknown material whole."""
+    return [curve for curve in curves if is_elastic(curve)] or [part for curve in curves if (part := _before_yield(curve)) is not None] or curves
+
+
+def _before_yield(curve: Curve) -> Curve | None:
+    if curve.material is None or curve.yield_overlap is None:
+        return curve
+    keep = (curve.branch == 0) & (curve.overlap <= curve.yield_overlap)
+    if np.count_nonzero(keep) < 3:
+        return None
+    columns = {name: value[keep] for name in Curve.COLUMNS if (value := getattr(curve, name)) is not None}
+    rest = ("radius", "aspect", "material", "yield_overlap", "yield_place", "errors", "stopped", "provenance")
+    return Curve(**columns, **{name: getattr(curve, name) for name in rest})
+
+
+def body_and_modulus(curves: Sequence[Curve], given: Values) -> Values:
+    """The radius, and E/(1 - nu^2) where the material is known."""
+    known = {"radius": curves[0].radius}
+    material = curves[0].material
+    return known if material is None else {**known, "reduced_modulus": material.reduced_modulus}
+
+
+def modulus_from_force(curve: Curve) -> float:
+    """Hertz's reduced modulus in Pa from a state in the first fifth of the loading."""
+    rows = curve.rows(0)
+    overlap, force = curve.overlap[rows], curve.force[rows]
+    row = int(np.searchsorted(overlap, 0.2 * overlap[-1]))
+    while row < overlap.size - 1 and force[row] <= 0.0:
+        row += 1
+    return max(float(0.75 * force[row] / (math.sqrt(curve.radius) * overlap[row] ** 1.5)), 1e-300)
+
+
+def _hertz_start(curves: Sequence[Curve], known: Values) -> Values:
+    return {"reduced_modulus": modulus_from_force(curves[0])}
+
+
+def _finite_size_start(curves: Sequence[Curve], known: Values) -> Values:
+    return {**_hertz_start(curves, known), **dict.fromkeys(HertzFiniteSize._fields[2:], 0.0)}
+
+
+def _thornton_start(curves: Sequence[Curve], known: Values) -> Values:
+    """The end of the loading has the slope pi p_Y R; the modulus is that at which the line meets Hertz's curve there."""
+    curve = curves[0]
+    rows = curve.rows(0)
+    overlap, force = curve.overlap[rows], curve.force[rows]
+    half = int(np.searchsorted(overlap, 0.5 * overlap[-1]))
+    slope = (force[-1] - force[half]) / (overlap[-1] - overlap[half]) if half < overlap.size - 1 else force[-1] / overlap[-1]
+    pressure = max(0.5 * slope, 0.05 * force[-1] / overlap[-1]) / (math.pi * curve.radius)
+    return {"yield_pressure": max(float(pressure), 1e-300), "reduced_modulus": 2.0 * modulus_from_force(curve)}
+
+
+def free_names(recipe: Recipe, known: Iterable[str], free: Iterable[str]) -> list[Parameter]:
+    """The parameters that are not known, or are to be free all the same."""
+    known, free = set(known), set(free)
+    return [parameter for parameter in recipe.parameters if parameter.name not in known or parameter.name in free]
+
+
+MODULUS = Parameter("reduced_modulus")
+register(Recipe("hertz", (MODULUS,), elastic_parts, body_and_modulus, _hertz_start, record_of("hertz")))
+register(
+    Recipe(
+        "hertz_finite_size",
+        (MODULUS, *(Parameter(name, None) for name in HertzFiniteSize._fields[2:])),
+        elastic_parts,
+        body_and_modulus,
+        _finite_size_start,
+        record_of("hertz_finite_size"),
+    )
+)
+register(Recipe("thornton", (MODULUS, Parameter("yield_pressure")), plastic_curves, body_and_modulus, _thornton_start, record_of("thornton")))

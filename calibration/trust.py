@@ -1,0 +1,75 @@
+"""How far a fit can be trusted: standard errors, correlation, what the curves do not say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+#: two parameters closer correlated than this are reported as not told apart
+LARGEST_CORRELATION = 0.99
+#: beyond this condition number of the scaled Jacobian a combination of parameters is reported (Belsley, Kuh & Welsch 1980 call 30 strong)
+LARGEST_CONDITION = 30.0
+#: a positive parameter that is known to no better than this factor is reported
+LARGEST_RELATIVE_ERROR = 0.5
+
+
+class Trust(NamedTuple):
+    """Errors of the inner (transformed) parameters, in the order of the fit."""
+
+    errors: FloatArray  # infinite where the curves say nothing
+    correlation: FloatArray  # NaN in the rows of such parameters
+    condition_number: float  # of the Jacobian with columns of unit length; infinite with such a parameter
+    misfit: float  # root mean square of the residuals in units of the curves' own error, per independent datum
+    weakest: FloatArray  # the combination of parameters, of unit length, that is known least
+
+
+def trust(jacobian: FloatArray, residuals: FloatArray, data: float) -> Trust:
+    """Trust in a least-squares result whose rows are scaled by the curves' error and whose squares sum to `data` at that error.
+
+    The error of a curve is systematic and correlated along it: more rows do not make it smaller. So the rows of a block share the weight of one
+    datum (`calibration.residuals.Block`), and `data` is the number of blocks. Where the misfit exceeds the curves' error, the law and not the
+    curve is the limit, and the errors are widened by that factor; they are never narrowed below the curves' error.
+    """
+    size = jacobian.shape[1]
+    misfit = math.sqrt(float(residuals @ residuals) / max(data, 1.0))
+    if size == 0:
+        return Trust(np.zeros(0), np.zeros((0, 0)), 1.0, misfit, np.zeros(0))
+    widening = max(1.0, math.sqrt(float(residuals @ residuals) / max(data - size, 1.0)))
+    length = np.linalg.norm(jacobian, axis=0)
+    alive = length > 1e-6
+    errors, correlation = np.full(size, np.inf), np.full((size, size), np.nan)
+    weakest = np.where(alive, 0.0, 1.0)
+    if not alive.any():
+        return Trust(errors, correlation, math.inf, misfit, weakest)
+    _, singular, directions = np.linalg.svd(jacobian[:, alive] / length[alive], full_matrices=False)
+    inverse = directions.T / np.maximum(singular, 1e-14 * singular[0])
+    covariance = inverse @ inverse.T
+    spread = np.sqrt(np.diag(covariance))
+    errors[alive] = widening * spread / length[alive]
+    correlation[np.ix_(alive, alive)] = covariance / np.outer(spread, spread)
+    if alive.all():
+        return Trust(errors, correlation, float(singular[0] / max(singular[-1], 1e-14 * singular[0])), misfit, directions[-1])
+    return Trust(errors, correlation, math.inf, misfit, weakest / np.linalg.norm(weakest))
+
+
+def doubts(found: Trust, names: Sequence[str], positive: Sequence[bool]) -> Iterator[str]:
+    """One sentence for each thing that the curves do not tell."""
+    for name, error, scaled in zip(names, found.errors, positive, strict=True):
+        if not np.isfinite(error):
+            yield f"{name} has no influence on these curves: it cannot be fitted to them"
+        elif scaled and error > LARGEST_RELATIVE_ERROR:
+            yield f"{name} is known to within a factor of {1.0 + min(error, 1e9):.3g} only"
+    for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
+        if abs(found.correlation[i, j]) > LARGEST_CORRELATION:
+            yield f"{names[i]} and {names[j]} cannot be told apart (correlation {found.correlation[i, j]:+.4f})"
+    if LARGEST_CONDITION < found.condition_number < math.inf:
+        mixed = [name for name, part in zip(names, found.weakest, strict=True) if abs(part) > 0.2]
+        yield f"a combination of {', '.join(mixed)} is hardly determined (condition number {found.condition_number:.3g})"
+    if found.misfit > 1.0:
+        yield f"the law, not the curves, limits the fit: it misses them by {found.misfit:.3g} times their own error"
