@@ -7,7 +7,8 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from cases.validation import Record, in_unit, problems_in, suggestion
 from contactlaws.errors import InputError, Problem
@@ -40,18 +41,53 @@ class MaterialTable(Record):
         return Material(self.youngs_modulus, self.poissons_ratio, None if elastic else self.yield_stress, self.density)
 
 
-class CurveTable(Record):
-    """[curves.NAME]: one finite-element reference curve."""
+class Body(Record):
+    """What is pressed, how far, and how exactly."""
 
-    material: str = Field(description="the name of a table under [materials]")
     radius: Length = Field(description="half the height of the body, such as '5 um'")
     aspect: Ratio = Field(1.0, description="equatorial semi-axis over radius; 1 is a sphere")
     elastic: bool = Field(False, description="true leaves the yield stress out")
-    unload_from: tuple[Depth, ...] = Field((), description="overlaps over radius to unload from, such as [0.05, 0.1]")
+    unload_from: tuple[Depth, ...] = Field((), description="overlaps over radius to unload from, such as 0.05 and 0.1")
     max_overlap: Depth | None = Field(None, description="largest overlap over radius; without it the largest of unload_from")
     tolerance: Annotated[float, in_unit("")] = Field(
         0.01, ge=1e-4, le=0.2, allow_inf_nan=False, description="relative error asked for, such as 0.01"
     )
+
+
+class CurveTable(Body):
+    """[curves.NAME]: one finite-element reference curve."""
+
+    material: str = Field(description="the name of a table under [materials]")
+
+
+class CurveOptions(Body, MaterialTable):
+    """The options of `fe2dem reference`."""
+
+
+class Sample(Record):
+    """The options of `fe2dem fit` that say what a measured curve's file leaves out."""
+
+    radius: Length | None = Field(None, description="half the height of the body, such as '5 um'")
+    youngs_modulus: Modulus | None = Field(None, description="Young's modulus, such as '142 GPa'")
+    poissons_ratio: Annotated[float, in_unit("")] | None = Field(
+        None, ge=0, lt=0.5, allow_inf_nan=False, description="Poisson's ratio, such as 0.25"
+    )
+    yield_stress: Modulus | None = Field(None, description="the yield stress, such as '7.9 GPa'")
+
+    @model_validator(mode="after")
+    def _whole(self) -> Sample:
+        if (self.youngs_modulus is None) != (self.poissons_ratio is None) or (
+            self.yield_stress is not None and self.youngs_modulus is None
+        ):
+            context = {"name": "material", "bound": "needs Young's modulus and Poisson's ratio", "remedy": "give both, or none"}
+            raise PydanticCustomError("unit", "{bound}|{remedy}", context)
+        return self
+
+    def material(self) -> Material | None:
+        """The constants, if they were given."""
+        if self.youngs_modulus is None or self.poissons_ratio is None:
+            return None
+        return Material(self.youngs_modulus, self.poissons_ratio, self.yield_stress)
 
 
 class FitTable(Record):
@@ -59,6 +95,9 @@ class FitTable(Record):
 
     law: str = Field(description="a law's name as listed by `fe2dem laws`")
     curves: tuple[str, ...] = Field(min_length=1, description="names of tables under [curves], or paths of curve files")
+    # what a measured curve's file doesn't say
+    material: str | None = Field(None, description="for measured curves, the name of a table under [materials]")
+    radius: Length | None = Field(None, description="for measured curves, the body's radius")
 
 
 class Spheres(Record):
@@ -80,9 +119,9 @@ class Scene(Spheres):
     count: int = Field(ge=8, le=1_000_000, description="the number of spheres, such as 250")
     packing_fraction: Annotated[float, in_unit("")] = Field(
         gt=0,
-        le=0.64,  # frictionless equal spheres jam there; a denser random packing doesn't exist
+        lt=1,
         allow_inf_nan=False,
-        description="solid over box volume, such as 0.635; random close packings of equal spheres end at 0.64",
+        description="solid over box volume, such as 0.635",
     )
     strain: Annotated[float, in_unit("")] = Field(
         gt=0, lt=0.5, allow_inf_nan=False, description="the largest compressive strain, such as 0.03"
@@ -142,6 +181,25 @@ def read_case(path: str | Path) -> Case:
     if problems:
         raise InputError(problems)
     return case
+
+
+def read_scene(path: str | Path, law: Path | None) -> tuple[Scene, Path]:
+    """Read and check a scene file and where its law is; `law` takes the place of the one that the file names. Raises `InputError`."""
+    values, problems = read_toml(path), []
+    try:
+        scene = SceneFile.model_validate(values)
+        problems += _density_problems("packing_fraction", scene.packing_fraction)
+    except ValidationError as error:
+        scene, problems = None, list(problems_in(error, SceneFile))
+    named = values.get("law")
+    file = law or (Path(path).parent / named if isinstance(named, str) else None)
+    if file is None:
+        problems.append(Problem("law", None, "is needed", "give --law LAW.json, or law = 'LAW.json' in the scene file"))
+    elif not file.is_file():
+        problems.append(Problem("law", str(file), "is no file", "make one with `fe2dem fit CURVE --law NAME --out LAW.json`"))
+    if scene is None or file is None or problems:
+        raise InputError(problems)
+    return scene, file.resolve()
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
@@ -207,12 +265,24 @@ def _cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) 
             yield missing_yield_stress(f"materials.{curve.material}.yield_stress", f"is needed by curves.{name}")
         yield from depth_problems(f"curves.{name}.", curve.unload_from, curve.max_overlap)
     for name, fit in case.fits.items():
+        if fit.material is not None:
+            yield from _reference(f"fits.{name}.material", fit.material, declared.get("materials", ()))
         yield from _reference(f"fits.{name}.law", fit.law, known_laws(), bound="is not a law that can be fitted")
         for curve_name in fit.curves:
             yield from _reference(f"fits.{name}.curves", curve_name, declared.get("curves", ()), folder)
     for kind, tables in (("impacts", case.impacts), ("scenes", case.scenes)):
         for name, table in tables.items():
             yield from _reference(f"{kind}.{name}.fit", table.fit, declared.get("fits", ()), folder)
+    for name, scene in case.scenes.items():
+        yield from _density_problems(f"scenes.{name}.packing_fraction", scene.packing_fraction)
+
+
+def _density_problems(name: str, packing_fraction: float) -> Iterator[Problem]:
+    from dem.packing import DENSEST_RANDOM
+
+    if packing_fraction > DENSEST_RANDOM:
+        remedy = "ask for 0.64 or less, and reach more by compressing it"
+        yield Problem(name, packing_fraction, f"no random packing of equal spheres is denser than {DENSEST_RANDOM}", remedy)
 
 
 def missing_yield_stress(name: str, bound: str) -> Problem:

@@ -68,7 +68,7 @@ def _problem(item: Any, model: type[BaseModel]) -> Problem:
     if kind == "missing":
         return Problem(name, None, "is needed", remedy)
     if kind == "unit":
-        return Problem(name, item["input"], context["bound"], context["remedy"])
+        return Problem(name or context["name"], item["input"] if name else None, context["bound"], context["remedy"])
     bounds = {
         "greater_than": "must be greater than {gt:g}",
         "greater_than_equal": "must be at least {ge:g}",

@@ -1,0 +1,224 @@
+"""The `fe2dem` command. Exit codes: 0 done, 2 input that cannot be used, 3 a task failed, 130 interrupted.
+
+Every command checks all its input first and reports all problems at once. Modules that take long to load are imported inside the commands.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from cases.arguments import spread
+from contactlaws.errors import InputError
+
+BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
+SEVERAL_VALUES = {"--unload-from", "--speed"}
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="From a material's constants to contact laws and a discrete-element run. Numbers may carry units ('142 GPa', '5 um'); bare ones are SI.",
+)
+
+Jobs = Annotated[int | None, typer.Option("--jobs", min=1, help="Processes to use; default: the number of cores.")]
+Text = str | None
+
+
+def _option(help_text: str) -> Any:
+    return typer.Option(help=help_text, show_default=False)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Entry of the console script: runs the command line and exits with its code."""
+    sys.exit(execute(sys.argv[1:] if arguments is None else arguments))
+
+
+def execute(arguments: list[str]) -> int:
+    """Run one command line and return its exit code; what is wrong with the input goes to stderr, one line per problem."""
+    try:
+        app(spread(arguments, SEVERAL_VALUES), prog_name="fe2dem")
+    except SystemExit as exit_:
+        return exit_.code if isinstance(exit_.code, int) else 0 if exit_.code is None else BAD_INPUT
+    except InputError as error:
+        for problem in error.problems:
+            print(f"fe2dem: {problem}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("fe2dem: interrupted; finished results are kept", file=sys.stderr)
+        return INTERRUPTED
+    except OSError as error:
+        place = f" {error.filename}" if error.filename else ""
+        print(f"fe2dem: {error.strerror or error}:{place}; check the path, its permissions and the free space", file=sys.stderr)
+        return BAD_INPUT
+    return 0
+
+
+@app.callback(invoke_without_command=True)
+def _common(
+    context: typer.Context, version: Annotated[bool, typer.Option("--version", help="Print release and source hash.")] = False
+) -> None:
+    if version:
+        from contactlaws.version import code_version
+
+        print(code_version())
+        raise typer.Exit
+
+
+def run(
+    case: Annotated[Path, typer.Argument(help="A case file (TOML).", show_default=False)],
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for results; default: results/CASE.")] = None,
+    jobs: Jobs = None,
+) -> None:
+    """Compute everything that a case file declares; results that are there already are reused."""
+    from cases.plan import plan
+    from cases.schema import read_case
+
+    checked = read_case(case)
+    tasks = plan(checked, case.resolve().parent)
+    raise typer.Exit(_run_tasks(checked.title, tasks, out or Path("results") / case.stem, jobs))
+
+
+def _run_tasks(title: str, tasks: list[Any], folder: Path, jobs: int | None) -> int:
+    from cases import report, runner, store
+    from cases.console import Progress
+    from contactlaws.version import code_version
+
+    folder = folder.resolve()
+    store.prepare(folder)
+    store.write_json(folder / "case.json", {"title": title, "code": code_version(), "tasks": [_listed(task) for task in tasks]})
+    with Progress(tasks) as progress:
+        records = runner.run(tasks, folder, jobs or _cores(), progress)
+    progress.summarise(records.values())
+    print(f"report: {report.write(folder)}")
+    return 0 if all(record.state == "done" for record in records.values()) else FAILED
+
+
+def _listed(task: Any) -> dict[str, Any]:
+    return {"task": task.id, "key": task.key, "values": task.values, "needs": task.needs, "given": task.given}
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def reference(
+    youngs_modulus: Annotated[Text, _option("Young's modulus, such as '142 GPa'.")] = None,
+    poissons_ratio: Annotated[Text, _option("Poisson's ratio, in [0, 0.5).")] = None,
+    yield_stress: Annotated[Text, _option("Yield stress, such as '7.9 GPa'; see --elastic.")] = None,
+    elastic: Annotated[bool, typer.Option("--elastic", help="A body that never yields.")] = False,
+    radius: Annotated[str, _option("Half the height of the body, such as '5 um'; 1 m without it.")] = "1",
+    aspect: Annotated[str, _option("Equatorial semi-axis over radius; 1 is a sphere.")] = "1",
+    unload_from: Annotated[list[str] | None, _option("D1 D2 ...: overlaps over radius to unload from.")] = None,
+    max_overlap: Annotated[Text, _option("Largest overlap over radius; default: the largest of --unload-from.")] = None,
+    tolerance: Annotated[str, _option("Relative error asked for; 0.01 without it.")] = "0.01",
+    fields: Annotated[Path | None, _option("Folder for deformed meshes with stress and plastic strain (.vtu).")] = None,
+    out: Annotated[Path | None, _option("CURVE.csv or CURVE.parquet.")] = None,
+) -> None:
+    """Compute one finite-element reference curve of a body pressed against a rigid frictionless flat."""
+    from cases import single
+
+    values = {
+        "youngs_modulus": youngs_modulus,
+        "poissons_ratio": poissons_ratio,
+        "yield_stress": yield_stress,
+        "elastic": elastic,
+        "radius": radius,
+    }
+    values |= {"aspect": aspect, "unload_from": unload_from or [], "max_overlap": max_overlap, "tolerance": tolerance}
+    stopped = single.reference(_given(values), out, fields)
+    if stopped:
+        print(f"fe2dem: stopped early: {stopped}; the curve up to there is in {out}", file=sys.stderr)
+        raise typer.Exit(FAILED)
+
+
+def fit(
+    curves: Annotated[
+        list[Path] | None, typer.Argument(metavar="CURVE ...", help="Computed or measured curves (.csv, .parquet).", show_default=False)
+    ] = None,
+    law: Annotated[Text, _option("A law's name, as listed by `fe2dem laws`.")] = None,
+    out: Annotated[Path | None, _option("LAW.json: where to save the fitted law.")] = None,
+    radius: Annotated[Text, _option("Of the body, where a measured curve's file does not say it.")] = None,
+    youngs_modulus: Annotated[Text, _option("Where a measured curve's file does not say it.")] = None,
+    poissons_ratio: Annotated[Text, _option("Where a measured curve's file does not say it.")] = None,
+    yield_stress: Annotated[Text, _option("Where a measured curve's file does not say it.")] = None,
+) -> None:
+    """Fit a law to one or several curves; prints parameters with their errors."""
+    from cases import single
+
+    sample = {"radius": radius, "youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "yield_stress": yield_stress}
+    single.fit(curves or [], law, out, _given(sample))
+
+
+def impact(
+    law: Annotated[Path | None, typer.Argument(metavar="LAW.json", help="A fitted law.", show_default=False)] = None,
+    radius: Annotated[Text, _option("Radius of the two equal spheres.")] = None,
+    density: Annotated[Text, _option("Their density, such as '4750 kg/m^3'.")] = None,
+    speed: Annotated[list[str] | None, _option("V1 V2 ...: closing speeds.")] = None,
+    out: Annotated[Path | None, _option("RESTITUTION.csv: where to save the table.")] = None,
+) -> None:
+    """Coefficient of restitution against speed, by the same kernel as the DEM."""
+    from cases import single
+
+    single.impact(law, _given({"radius": radius, "density": density, "speed": speed or None}), out)
+
+
+def simulate(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="A scene file.", show_default=False)],
+    law: Annotated[Path | None, _option("LAW.json; takes the place of the scene file's law.")] = None,
+    out: Annotated[Path | None, _option("Folder for results; default: results/SCENE.")] = None,
+    jobs: Jobs = None,
+) -> None:
+    """Run one scene on a fitted law; run again, it goes on from what is there."""
+    from cases.plan import scene_plan
+    from cases.schema import read_scene
+
+    checked, law_file = read_scene(scene, law)
+    raise typer.Exit(_run_tasks(scene.stem, scene_plan(scene.stem, checked, law_file), out or Path("results") / scene.stem, jobs))
+
+
+def status(folder: Annotated[Path, typer.Argument(help="A folder of results.", show_default=False)]) -> None:
+    """Say which results of the last run are there, which failed and why, and which are still to be made."""
+    from cases import console, store
+
+    case, records = store.load_case(folder)
+    console.show_status(case, records)
+
+
+def report(folder: Annotated[Path, typer.Argument(help="A folder of results.", show_default=False)]) -> None:
+    """Write report.html anew from the results that are there."""
+    from cases import report as report_
+
+    print(report_.write(folder.resolve()))
+
+
+def doctor() -> None:
+    """Say what is installed, what is missing, and which packages bring it."""
+    from cases import console
+    from cases.doctor import examine
+
+    findings = list(examine())
+    console.show_findings(findings)
+    if any(finding.state == "missing" for finding in findings):
+        raise typer.Exit(FAILED)
+
+
+def laws() -> None:
+    """List the contact laws: name, what a contact remembers, source."""
+    from cases import console
+    from contactlaws.dispatch import laws as registered
+
+    console.show_laws(registered())
+
+
+for _command in (run, reference, fit, impact, simulate, status, report, doctor, laws):
+    app.command()(_command)
+
+
+def _given(values: dict[str, Any]) -> dict[str, Any]:
+    """Options that were given; the others are absent, not None."""
+    return {name: value for name, value in values.items() if value is not None}

@@ -1,0 +1,179 @@
+"""What a person sees in the terminal: progress, tables, and one line for each thing that was written."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.progress import BarColumn, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bars
+from rich.table import Table
+
+from cases.doctor import Finding
+from cases.plan import Task
+from cases.store import Record
+
+out = Console(highlight=False, soft_wrap=True)
+log = Console(stderr=True, highlight=False, soft_wrap=True)
+MARKS = {"ok": "[green]ok[/]", "missing": "[red]missing[/]", "optional": "[yellow]optional[/]"}
+COLOURS = {"done": "green", "stopped": "yellow", "failed": "red"}
+
+
+def _bars() -> Bars:
+    columns = (TextColumn("{task.description}"), BarColumn(24), TextColumn("{task.fields[text]}"), TimeElapsedColumn())
+    return Bars(*columns, console=log, transient=True, disable=not log.is_terminal)
+
+
+@contextlib.contextmanager
+def bar(name: str) -> Iterator[Callable[[float, str], None]]:
+    """A progress bar on stderr, where that is a terminal; yields the callback that moves it."""
+    with _bars() as bars:
+        task = bars.add_task(name, total=1.0, text="")
+        yield lambda fraction, text: bars.update(task, completed=fraction, text=text)
+
+
+class Progress:
+    """Watches a run: a bar for each task in work, and a line when one is finished."""
+
+    def __init__(self, tasks: Sequence[Task]) -> None:
+        self._bars = _bars()
+        self._shown: dict[str, TaskID] = {}
+        self._total = len(tasks)
+        self._reused = 0
+
+    def __enter__(self) -> Progress:
+        self._bars.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._bars.stop()
+
+    def reused(self, task: Task, record: Record) -> None:
+        """A result that is there already."""
+        self._reused += 1
+        log.print(
+            f"[cyan]reused[/]   {task.id}"
+            + (f": {_one_line(record)}" if record.reason else f"  ({record.cpu_seconds:.1f} CPU s when it was made)")
+        )
+
+    def started(self, task: Task) -> None:
+        """A task has been handed to a process."""
+        self._shown[task.id] = self._bars.add_task(task.id, total=1.0, text="")
+        if not log.is_terminal:
+            log.print(f"started  {task.id}")
+
+    def advanced(self, task: Task, fraction: float, text: str) -> None:
+        """A task says how far it is."""
+        if task.id in self._shown:
+            self._bars.update(self._shown[task.id], completed=fraction, text=text)
+
+    def finished(self, task: Task, record: Record) -> None:
+        """A task has its record."""
+        if task.id in self._shown:
+            self._bars.remove_task(self._shown.pop(task.id))
+        colour = COLOURS[record.state]
+        log.print(
+            f"[{colour}]{record.state:8}[/] {task.id}: " + (_one_line(record) if record.reason else f"{record.cpu_seconds:.1f} CPU s")
+        )
+
+    def summarise(self, records: Iterable[Record]) -> None:
+        """One line for the whole run."""
+        records = list(records)
+        bad = sum(record.state != "done" for record in records)
+        new = sum(record.cpu_seconds for record in records)
+        text = f"{self._total} results: {self._reused} reused, {self._total - self._reused} computed"
+        out.print(f"{text}, [red]{bad} failed or stopped early[/]" if bad else f"{text}; all together took {new:.1f} CPU s")
+
+
+def _one_line(record: Record) -> str:
+    return " | ".join((record.reason or "").splitlines())
+
+
+def _table(*columns: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for index, column in enumerate(columns):
+        table.add_column(column, justify="left" if index == 0 else "right", overflow="fold")
+    return table
+
+
+def number(value: object, digits: int = 4) -> str:
+    """A number with so many digits; a dash for one that isn't there."""
+    return "–" if value is None else f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+
+
+def percent(value: float | None) -> str:
+    """A relative error."""
+    return "–" if value is None else f"{100 * value:.2g} %"
+
+
+def show_curve(curve: Any, path: Path) -> None:
+    """Where a curve was written, what it reaches, how wrong it may be, what it cost."""
+    rows = curve.rows(0)
+    out.print(f"{path}: {curve.overlap.size} states, {len(curve.unloadings)} unloadings, curve {curve.content_hash}")
+    out.print(f"largest overlap {curve.overlap[rows][-1]:.6g} m, force {curve.force[rows][-1]:.6g} N")
+    if curve.yield_overlap is not None:
+        out.print(f"first yield at overlap {curve.yield_overlap:.6g} m")
+    out.print("estimated errors: " + (", ".join(f"{name} {percent(value)}" for name, value in curve.errors.items()) or "none stated"))
+    cost = curve.provenance.get("cpu_seconds")
+    if cost is not None:
+        out.print(f"cost: {number(cost)} CPU s")
+
+
+def show_fit(fit: Any, path: Path | None) -> None:
+    """Parameters with errors, residual measures, warnings."""
+    table = _table("parameter", "value", "standard error")
+    for name, value in zip(fit.law._fields, fit.law, strict=True):
+        if not hasattr(value, "shape"):
+            table.add_row(
+                name, number(float(value), 7), number(fit.standard_errors.get(name), 2) if name in fit.standard_errors else "given"
+            )
+    out.print(f"{fit.fitted.name}: {fit.fitted.source}")
+    out.print(table)
+    out.print(
+        "differences from the curves: "
+        + ", ".join(f"{k.replace('_', ' ')} {percent(v)}" for k, v in fit.residuals._asdict().items() if v is not None)
+    )
+    out.print(
+        f"good up to overlap {fit.fitted.max_overlap:.4g} m; condition number {number(float(fit.condition_number), 3)}; {_correlations(fit)}"
+    )
+    for warning in fit.warnings:
+        log.print(f"[yellow]warning[/] {warning}")
+    if path is not None:
+        out.print(f"saved: {path}")
+
+
+def _correlations(fit: Any) -> str:
+    pairs = [f"{fit.free[i]}/{fit.free[j]} {fit.correlation[i, j]:+.3f}" for j in range(len(fit.free)) for i in range(j)]
+    return "correlation " + ", ".join(pairs) if pairs else "no correlations (fewer than two fitted parameters)"
+
+
+def show_status(case: Mapping[str, Any], records: Sequence[Record | None]) -> None:
+    """One row per task of the last run."""
+    table = _table("task", "state", "CPU s", "key", "reason")
+    for item, record in zip(case["tasks"], records, strict=True):
+        state = "not there yet" if record is None else record.state
+        cost = None if record is None else round(record.cpu_seconds, 1)
+        table.add_row(item["task"], state, number(cost), item["key"], "" if record is None else _one_line(record))
+    out.print(case["title"])
+    out.print(table)
+
+
+def show_findings(findings: Iterable[Finding]) -> None:
+    """One row per finding of the doctor."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_header=False)
+    for finding in findings:
+        table.add_row(finding.name, MARKS[finding.state], finding.text)
+    out.print(table)
+
+
+def show_laws(laws: Mapping[str, Any]) -> None:
+    """One row per law."""
+    table = Table("law", "a contact remembers", "source", box=box.SIMPLE_HEAD, pad_edge=False)
+    for law in laws.values():
+        table.add_row(law.name, ", ".join(name.replace("_", " ") for name in law.memory) or "nothing", law.source)
+    out.print(table)

@@ -1,0 +1,142 @@
+"""One curve, one fit, one restitution table, straight from the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from cases import console
+from cases.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress
+from cases.store import problems_with_writing
+from cases.validation import suggestion, validated
+from contactlaws.errors import InputError, Problem
+
+M = TypeVar("M", bound=BaseModel)
+CURVE_FILES = (".csv", ".parquet")
+
+
+def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None) -> str | None:
+    """Compute and write one curve; returns why it stopped early, if it did. Raises `InputError` before computing."""
+    body, problems = _checked(CurveOptions, options)
+    problems += _problems_with_output("--out", out, CURVE_FILES, needed=True)
+    if body is not None:
+        problems += depth_problems("--", body.unload_from, body.max_overlap)
+    elif not options["unload_from"] and "max_overlap" not in options:
+        problems += depth_problems("--", (), None)
+    if "yield_stress" not in options and not options.get("elastic"):
+        problems.append(missing_yield_stress("--yield-stress", "is needed for a plastic body"))
+    if body is None or out is None or problems:
+        raise InputError(_in_words_of_options(problems))
+
+    import fem
+    from contactlaws.curve_files import write_curve
+
+    with console.bar("reference curve") as progress:
+        curve = fem.press(
+            body.record(body.elastic),
+            radius=body.radius,
+            aspect=body.aspect,
+            unload_from=body.unload_from,
+            max_overlap=body.max_overlap,
+            tolerance=body.tolerance,
+            fields=fields,
+            progress=progress,
+        )
+    write_curve(curve, out)
+    console.show_curve(curve, out)
+    return curve.stopped
+
+
+def fit(curves: Sequence[Path], law: str | None, out: Path | None, sample: Mapping[str, Any]) -> None:
+    """Fit a law to curves from files and say how well it went. `sample`: radius and constants that measured files leave out."""
+    from contactlaws.curve_files import read_curve
+    from contactlaws.dispatch import laws
+
+    known, problems = _checked(Sample, sample)
+    if not curves:
+        problems.append(Problem("CURVE", None, "is needed", "give one or several curve files, .csv or .parquet"))
+    if law is None:
+        problems.append(Problem("--law", None, "is needed", f"use one of: {', '.join(laws())}"))
+    elif law not in laws():
+        problems.append(Problem("--law", law, "is not a known law", suggestion(law, laws())))
+    problems += _problems_with_output("--out", out, (".json",), needed=False)
+    material = known.material() if known is not None else None
+    found = []
+    for path in curves:
+        try:
+            found.append(read_curve(path, radius=known.radius if known is not None else None, material=material))
+        except InputError as error:
+            problems += error.problems
+    if law is None or problems:
+        raise InputError(_in_words_of_options(problems))
+
+    import calibration
+    from contactlaws import fitted
+
+    result = calibration.fit(found, law=law)
+    if out is not None:
+        fitted.save(result.fitted, out)
+    console.show_fit(result, out)
+
+
+def impact(law: Path | None, options: Mapping[str, Any], out: Path | None) -> None:
+    """Restitution of two equal spheres on a fitted law, as a table. Raises `InputError` before computing."""
+    from contactlaws import fitted
+
+    spheres, problems = _checked(Impact, options)
+    problems += _problems_with_output("--out", out, (".csv",), needed=False)
+    if law is None:
+        problems.append(Problem("LAW.json", None, "is needed", "make one with `fe2dem fit CURVE --law NAME --out LAW.json`"))
+    else:
+        try:
+            record = fitted.load(law)
+        except InputError as error:
+            problems += error.problems
+    if spheres is None or law is None or problems:
+        raise InputError(_in_words_of_options(problems))
+
+    from dem.impact import restitution
+
+    table = restitution(record.law, spheres.radius, spheres.density, spheres.speed)
+    if out is not None:
+        console.write_impact(table, out)
+    console.show_impact(table, record, spheres.radius)
+
+
+def _checked(model: type[M], values: Mapping[str, Any]) -> tuple[M | None, list[Problem]]:
+    """The options as a record, or None and what is wrong with them."""
+    try:
+        return validated(model, values), []
+    except InputError as error:
+        return None, list(error.problems)
+
+
+def _in_words_of_options(problems: Sequence[Problem]) -> list[Problem]:
+    """Field names as options: youngs_modulus is --youngs-modulus on the command line."""
+    options = {*CurveOptions.model_fields, *Impact.model_fields, *Sample.model_fields}
+    return [
+        problem._replace(name="--" + problem.name.removeprefix("--").replace("_", "-"))
+        if problem.name.removeprefix("--").split("[")[0] in options
+        else problem
+        for problem in problems
+    ]
+
+
+def _problems_with_output(name: str, path: Path | None, endings: tuple[str, ...], needed: bool) -> Iterator[Problem]:
+    """Whether a file could be written there, found out before hours are spent on what is to stand in it."""
+    if path is None:
+        if needed:
+            yield Problem(name, None, "is needed", f"give a path that ends in {' or '.join(endings)}")
+        return
+    if path.suffix not in endings:
+        yield Problem(name, str(path), f"must end in {' or '.join(endings)}", "give another name")
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        yield Problem(name, str(path), f"there is no folder {folder}", "create it first")
+    elif path.is_dir():
+        yield Problem(name, str(path), "is a folder", "give the name of a file")
+    else:
+        yield from problems_with_writing(name, folder)
