@@ -13,7 +13,6 @@ from typing import Annotated, Any
 import typer
 
 from cases.arguments import spread
-from contactlaws.errors import InputError
 
 BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
 SEVERAL_VALUES = {"--unload-from", "--speed"}
@@ -22,7 +21,7 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="From a material's constants to contact laws and a discrete-element run. Numbers may carry units ('142 GPa', '5 um'); bare ones are SI.",
+    help="From a material's constants to contact laws and a discrete-element run. Numbers may carry units ('142 GPa'); bare ones are SI.",
 )
 
 Jobs = Annotated[int | None, typer.Option("--jobs", min=1, help="Processes to use; default: the number of cores.")]
@@ -44,13 +43,17 @@ def execute(arguments: list[str]) -> int:
         app(spread(arguments, SEVERAL_VALUES), prog_name="fe2dem")
     except SystemExit as exit_:
         return exit_.code if isinstance(exit_.code, int) else 0 if exit_.code is None else BAD_INPUT
-    except InputError as error:
-        for problem in error.problems:
-            print(f"fe2dem: {problem}", file=sys.stderr)
-        return BAD_INPUT
     except KeyboardInterrupt:
         print("fe2dem: interrupted; finished results are kept", file=sys.stderr)
         return INTERRUPTED
+    except ValueError as error:
+        from contactlaws.errors import InputError  # not above: it brings numba along, and --help shall not wait for that
+
+        if not isinstance(error, InputError):
+            raise
+        for problem in error.problems:
+            print(f"fe2dem: {problem}", file=sys.stderr)
+        return BAD_INPUT
     except OSError as error:
         place = f" {error.filename}" if error.filename else ""
         print(f"fe2dem: {error.strerror or error}:{place}; check the path, its permissions and the free space", file=sys.stderr)
@@ -122,7 +125,7 @@ def reference(
     """Compute one finite-element reference curve of a body pressed against a rigid frictionless flat."""
     from cases import single
 
-    values = {
+    values: dict[str, Any] = {
         "youngs_modulus": youngs_modulus,
         "poissons_ratio": poissons_ratio,
         "yield_stress": yield_stress,

@@ -10,6 +10,7 @@ from typing import Any
 
 from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 from rich.table import Table
@@ -91,7 +92,7 @@ class Progress:
 
 
 def _one_line(record: Record) -> str:
-    return " | ".join((record.reason or "").splitlines())
+    return escape(" | ".join((record.reason or "").splitlines()))
 
 
 def _table(*columns: str) -> Table:
@@ -139,10 +140,10 @@ def show_fit(fit: Any, path: Path | None) -> None:
         + ", ".join(f"{k.replace('_', ' ')} {percent(v)}" for k, v in fit.residuals._asdict().items() if v is not None)
     )
     out.print(
-        f"good up to overlap {fit.fitted.max_overlap:.4g} m; condition number {number(float(fit.condition_number), 3)}; {_correlations(fit)}"
+        f"good up to overlap {fit.fitted.max_overlap:.4g} m; condition number {number(fit.condition_number, 3)}; {_correlations(fit)}"
     )
     for warning in fit.warnings:
-        log.print(f"[yellow]warning[/] {warning}")
+        log.print(f"[yellow]warning[/] {escape(warning)}")
     if path is not None:
         out.print(f"saved: {path}")
 
@@ -167,7 +168,7 @@ def show_findings(findings: Iterable[Finding]) -> None:
     """One row per finding of the doctor."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_header=False)
     for finding in findings:
-        table.add_row(finding.name, MARKS[finding.state], finding.text)
+        table.add_row(finding.name, MARKS[finding.state], escape(finding.text))
     out.print(table)
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.metadata
-import importlib.util
 import os
 import platform
 import re
@@ -74,12 +74,14 @@ def _packages() -> Iterator[Finding]:
 
 def _gmsh() -> Finding:
     """gmsh may be installed and yet not load: its wheel needs shared libraries of the desktop."""
-    from fem.profile import load_gmsh
-
-    module, reason = load_gmsh()
-    if module is not None:
+    try:
+        importlib.import_module("gmsh")
         return Finding("gmsh", "ok", f"{_version('gmsh')}; meshes any meridian profile")
-    return Finding("gmsh", "optional", f"{reason}; only bodies other than spheroids need it. Debian: apt-get install {GMSH_PACKAGES}")
+    except (ImportError, OSError) as error:
+        reason = str(error)
+    return Finding(
+        "gmsh", "optional", f"does not load ({reason}); only bodies other than spheroids need it. Debian: apt-get install {GMSH_PACKAGES}"
+    )
 
 
 def _cache() -> Iterator[Finding]:

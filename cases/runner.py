@@ -36,7 +36,7 @@ class Watcher(Protocol):
 def run(tasks: list[Task], folder: Path, jobs: int, watcher: Watcher, perform: Callable[..., Record] = worker.perform) -> dict[str, Record]:
     """Bring every task to a record, in at most `jobs` processes; `perform` does one task and runs in them.
 
-    Raises `InputError` if the folder cannot be written or its disk is full; `KeyboardInterrupt` passes through after the processes are ended.
+    Raises `InputError` if the folder cannot be written or its disk is full; `KeyboardInterrupt` passes on when they are ended.
     Records that are there stay there, so that another run goes on from them.
     """
     store.prepare(folder)

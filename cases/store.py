@@ -107,7 +107,7 @@ def load(folder: Path, task: str, key: str) -> Record | None:
 
 
 def load_case(folder: Path) -> tuple[dict[str, Any], list[Record | None]]:
-    """What the last run in `folder` wanted, and its records in order (None: not there yet). Raises `InputError` if nothing was run there."""
+    """What the last run in `folder` wanted, and its records in order (None: not there yet). Raises `InputError` if there are none."""
     try:
         case = json.loads((folder / "case.json").read_text(encoding="utf-8"))
         return case, [load(folder, item["task"], item["key"]) for item in case["tasks"]]

@@ -64,8 +64,8 @@ def perform(task: Task, folder: str, made: Mapping[str, Record]) -> Record:
             outcome: dict[str, Any] = {"state": "stopped" if stopped else "done", "reason": stopped, "files": files, "summary": summary}
         except Exception as error:  # a failure is a result: recorded with its reason, and the other tasks go on
             outcome = _failure(error)
-    cost = {"cpu_seconds": time.process_time() - cpu, "wall_seconds": time.perf_counter() - wall}
-    return _saved(Path(folder), Record(task.id, task.key, code=code_version(), **cost, **outcome))
+    outcome |= {"cpu_seconds": time.process_time() - cpu, "wall_seconds": time.perf_counter() - wall, "code": code_version()}
+    return _saved(Path(folder), Record(task.id, task.key, **outcome))
 
 
 def _saved(folder: Path, record: Record) -> Record:

@@ -1,0 +1,135 @@
+"""Case files: every error at once, each with value, bound and remedy; a right file becomes frozen SI records."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cases import schema
+from contactlaws.errors import InputError
+
+ROOT = Path(__file__).parents[2]
+
+GOOD = """
+[materials.nmc]
+youngs_modulus = "142 GPa"
+poissons_ratio = 0.25
+yield_stress = 7.9e9
+[curves.plastic]
+material = "nmc"
+radius = "5 um"
+unload_from = [0.05, "10 %"]
+"""
+
+
+def problems(tmp_path: Path, text: str) -> dict[str, str]:
+    """What is wrong with a case file: name -> whole message."""
+    file = tmp_path / "case.toml"
+    file.write_text(text)
+    with pytest.raises(InputError) as caught:
+        schema.read_case(file)
+    return {problem.name: str(problem) for problem in caught.value.problems}
+
+
+def test_units_become_si(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(GOOD)
+    case = schema.read_case(tmp_path / "case.toml")
+    assert case.materials["nmc"].youngs_modulus == 142e9
+    assert case.curves["plastic"].radius == 5e-6
+    assert case.curves["plastic"].unload_from == (0.05, 0.1)
+    assert case.materials["nmc"].record(elastic=True).yield_stress is None
+
+
+def test_the_quickstart_is_right() -> None:
+    case = schema.read_case(ROOT / "cases" / "quickstart.toml")
+    assert {table.fit for table in (*case.impacts.values(), *case.scenes.values())} <= set(case.fits)
+
+
+def test_all_problems_of_a_file_come_at_once(tmp_path: Path) -> None:
+    found = problems(
+        tmp_path,
+        """
+        titel = "x"
+        [materials.a]
+        youngs_modulus = "70 mm"
+        poissons_ratio = 0.5
+        yield_stres = 3
+        [materials.b]
+        youngs_modulus = 1e9
+        poissons_ratio = 0.3
+        [curves.first]
+        material = "a"
+        radius = -1
+        unload_from = [0.1, 0.9]
+        [curves.second]
+        material = "b"
+        radius = 1
+        [curves.third]
+        material = "c"
+        radius = 1
+        max_overlap = 0.1
+        [fits.q]
+        law = "hert"
+        curves = ["second", "nothing", "measured.csv"]
+        """,
+    )
+    assert "did you mean 'title'?" in found["titel"]
+    assert "did you mean 'yield_stress'?" in found["materials.a.yield_stres"]
+    assert "is a length" in found["materials.a.youngs_modulus"]
+    assert "less than 0.5" in found["materials.a.poissons_ratio"]
+    assert "greater than 0" in found["curves.first.radius"]
+    assert "at most 0.5" in found["curves.first.unload_from[1]"]
+    assert "elastic = true" in found["materials.b.yield_stress"]
+    assert "max_overlap" in found["curves.second.max_overlap"]
+    assert "names nothing" in found["curves.third.material"]
+    assert "did you mean 'hertz'?" in found["fits.q.law"]
+    assert "measured.csv" in found["fits.q.curves"]
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "name", "words"),
+    [
+        ('youngs_modulus = "142 GPa"', "youngs_modulus = 0", "materials.nmc.youngs_modulus", "greater than 0"),
+        ('youngs_modulus = "142 GPa"', "youngs_modulus = -1e9", "materials.nmc.youngs_modulus", "greater than 0"),
+        ('youngs_modulus = "142 GPa"', "youngs_modulus = nan", "materials.nmc.youngs_modulus", "nan"),
+        ('youngs_modulus = "142 GPa"', "youngs_modulus = inf", "materials.nmc.youngs_modulus", "finite"),
+        ("poissons_ratio = 0.25", "poissons_ratio = -0.1", "materials.nmc.poissons_ratio", "at least 0"),
+        ("poissons_ratio = 0.25", "poissons_ratio = 0.5", "materials.nmc.poissons_ratio", "less than 0.5"),
+        ("poissons_ratio = 0.25", "", "materials.nmc.poissons_ratio", "is needed"),
+        ("yield_stress = 7.9e9", "", "materials.nmc.yield_stress", "7.9 GPa"),
+        ('unload_from = [0.05, "10 %"]', "unload_from = [1.2]", "curves.plastic.unload_from[0]", "at most 0.5"),
+        ('unload_from = [0.05, "10 %"]', "unload_from = [0.2]\nmax_overlap = 0.1", "curves.plastic.unload_from", "beyond max_overlap"),
+    ],
+)
+def test_one_wrong_value_is_named_with_its_bound(tmp_path: Path, line: str, instead: str, name: str, words: str) -> None:
+    assert line in GOOD
+    assert words in problems(tmp_path, GOOD.replace(line, instead))[name]
+
+
+def test_a_packing_that_cannot_be_reached_is_refused_before_computing(tmp_path: Path) -> None:
+    scene = """
+    [fits.law]
+    law = "thornton"
+    curves = ["plastic"]
+    [scenes.dense]
+    fit = "law"
+    radius = "5 um"
+    density = "4750 kg/m^3"
+    count = 100
+    packing_fraction = 0.7
+    strain = 0.03
+    strain_rate = 1e4
+    """
+    assert "0.64" in problems(tmp_path, GOOD + scene)["scenes.dense.packing_fraction"]
+
+
+@pytest.mark.parametrize("text", ["[materials", "a = b", "\x00"])
+def test_what_is_no_toml_is_said_so(tmp_path: Path, text: str) -> None:
+    (message,) = problems(tmp_path, text).values()
+    assert "TOML" in message
+
+
+def test_a_missing_file_is_said_so(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        schema.read_case(tmp_path / "nowhere.toml")
