@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,13 +12,14 @@ import numpy.typing as npt
 from scipy.optimize import least_squares
 
 from calibration.recipes import Recipe, free_names, recipe_for
-from calibration.residuals import WEIGHTS, Measures, blocks, measures, residual_vector
+from calibration.residuals import WEIGHTS, Block, Measures, blocks, error_product, measures, residual_vector
 from calibration.trust import Trust, doubts, trust
 from contactlaws.curve import Curve
-from contactlaws.errors import InputError, Problem, require
+from contactlaws.errors import Problem, require
 from contactlaws.fitted import FittedLaw
 
 FloatArray = npt.NDArray[np.float64]
+Difference = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def fit(
 
     inner = np.array([parameter.inner(start[parameter.name]) for parameter in unknown])
     parts = [part for part in parts if np.isfinite(residual_vector(record(inner), selected, [part])).all()]
-    inner, found, evaluations, failed = _solve(lambda z: residual_vector(record(z), selected, parts), inner, sum(p.share.sum() for p in parts))
+    inner, found, evaluations, failed = _solve(lambda z: residual_vector(record(z), selected, parts), inner, parts)
     outcome = record(inner)
     errors = {
         parameter.name: float(error * parameter.slope(z)) if math.isfinite(error) else None
@@ -93,13 +94,14 @@ def fit(
     return Fit(fitted, names, found.correlation, found.condition_number, found.misfit, measures(outcome, selected), warnings, evaluations)
 
 
-def _solve(difference: Any, inner: FloatArray, data: float) -> tuple[FloatArray, Trust, int, tuple[str, ...]]:
+def _solve(difference: Difference, inner: FloatArray, parts: Sequence[Block]) -> tuple[FloatArray, Trust, int, tuple[str, ...]]:
+    data = float(sum(part.share.sum() for part in parts))
     if inner.size == 0:
         rows = difference(inner)
-        return inner, trust(np.zeros((rows.size, 0)), rows, data), 1, ()
+        return inner, trust(np.zeros((rows.size, 0)), rows, np.zeros((0, 0)), data), 1, ()
     result = least_squares(difference, inner, method="trf", x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=500)
     failed = () if result.success else (f"the least squares stopped early: {result.message}",)
-    return result.x, trust(result.jac, result.fun, data), int(result.nfev), failed
+    return result.x, trust(result.jac, result.fun, error_product(parts, result.jac), data), int(result.nfev), failed
 
 
 def _remarks(curves: Sequence[Curve]) -> Iterator[str]:

@@ -20,7 +20,7 @@ UNSTATED = {"force": 0.01, "contact_radius": 0.02, "unloading_stiffness": 0.02}
 
 
 class Block(NamedTuple):
-    """One quantity along one branch of one curve. Its error is one systematic error, not one for each row: it counts as ONE datum."""
+    """One quantity along one branch of one curve. Its error is systematic, not one for each row: it counts as ONE datum."""
 
     quantity: str  # as in WEIGHTS
     curve: int
@@ -28,6 +28,7 @@ class Block(NamedTuple):
     measured: FloatArray
     scale: FloatArray  # one estimated error
     share: FloatArray  # of each row in the block; sums to the block's weight
+    place: FloatArray  # position along the branch in lengths over which the error changes: e-folds of the overlap, or the whole unloading
 
 
 class Measures(NamedTuple):
@@ -63,17 +64,19 @@ def _blocks_of(number: int, curve: Curve, weights: Mapping[str, float]) -> Itera
         overlap, force = curve.overlap[rows], curve.force[rows]
         radius = None if curve.contact_radius is None else curve.contact_radius[rows]
         if branch == 0:
-            share = _shares(np.log(np.maximum(overlap, 1e-4 * overlap[-1])))
-            yield Block("force", number, 0, force, error["force"] * (force.clip(0.0) + 0.01 * force[-1]), weights["force"] * share)
+            place = np.log(np.maximum(overlap, 1e-4 * overlap[-1]))
+            share = _shares(place)
+            yield Block("force", number, 0, force, error["force"] * (force.clip(0.0) + 0.01 * force[-1]), weights["force"] * share, place)
             if radius is not None:
                 floor = radius + 0.01 * radius[-1]
-                yield Block("contact_radius", number, 0, radius, error["contact_radius"] * floor, weights["contact_radius"] * share)
+                yield Block("contact_radius", number, 0, radius, error["contact_radius"] * floor, weights["contact_radius"] * share, place)
         elif overlap.size > 2 and force[0] > 0.0:
-            share, one = _shares(-overlap), np.ones(overlap.size)
-            yield Block("unloading", number, branch, force / force[0], error["unloading_stiffness"] * one, weights["unloading"] * share)
+            place, one = (overlap[0] - overlap) / (overlap[0] - overlap[-1]), np.ones(overlap.size)
+            share = _shares(place)
+            yield Block("unloading", number, branch, force / force[0], error["unloading_stiffness"] * one, weights["unloading"] * share, place)
             if radius is not None:
                 measured = radius / radius[0]
-                yield Block("contact_radius", number, branch, measured, error["contact_radius"] * one, weights["contact_radius"] * share)
+                yield Block("contact_radius", number, branch, measured, error["contact_radius"] * one, weights["contact_radius"] * share, place)
 
 
 def _shares(coordinate: FloatArray) -> FloatArray:
@@ -96,6 +99,25 @@ def residual_vector(law: object, curves: Sequence[Curve], parts: Sequence[Block]
             followed[key] = follow(law, curves[part.curve], part.branch)
         rows.append(np.sqrt(part.share) * (_predicted(part, followed[key]) - part.measured) / part.scale)
     return np.concatenate(rows) if rows else np.zeros(0)
+
+
+def error_product(parts: Sequence[Block], jacobian: FloatArray) -> FloatArray:
+    """J^T C J with C the covariance that the curves' own errors give the residuals of `residual_vector`.
+
+    A mesh too coarse, or a force cell off by 1 %, shifts a whole curve: half the variance is common to a quantity of a curve, on all its branches.
+    The other half is that of ripples, correlated as exp(-distance) along a branch with distances in `Block.place`. Neither half becomes smaller
+    with more rows.
+    """
+    product = np.zeros((jacobian.shape[1],) * 2)
+    common: dict[tuple[int, str], FloatArray] = {}
+    row = 0
+    for part in parts:
+        weighted = np.sqrt(part.share)[:, None] * jacobian[row : row + part.share.size]
+        row += part.share.size
+        product += 0.5 * weighted.T @ np.exp(-abs(part.place[:, None] - part.place)) @ weighted
+        key = (part.curve, part.quantity)
+        common[key] = common.get(key, 0.0) + weighted.sum(axis=0)
+    return product + 0.5 * sum(np.outer(total, total) for total in common.values())
 
 
 def _predicted(part: Block, found: Scan) -> FloatArray:

@@ -29,32 +29,30 @@ class Trust(NamedTuple):
     weakest: FloatArray  # the combination of parameters, of unit length, that is known least
 
 
-def trust(jacobian: FloatArray, residuals: FloatArray, data: float) -> Trust:
-    """Trust in a least-squares result whose rows are scaled by the curves' error and whose squares sum to `data` at that error.
+def trust(jacobian: FloatArray, residuals: FloatArray, error_product: FloatArray, data: float) -> Trust:
+    """Trust in a least-squares result whose residuals are in units of the curves' error, so that their squares sum to `data` at that error.
 
-    The error of a curve is systematic and correlated along it: more rows do not make it smaller. So the rows of a block share the weight of one
-    datum (`calibration.residuals.Block`), and `data` is the number of blocks. Where the misfit exceeds the curves' error, the law and not the
-    curve is the limit, and the errors are widened by that factor; they are never narrowed below the curves' error.
+    The error of a curve is systematic: more rows do not make it smaller. `error_product` (from `calibration.residuals.error_product`) carries it
+    to the parameters: covariance = (J^T J)^-1 J^T C J (J^T J)^-1. Where the misfit exceeds the curves' error, the law and not the curve is
+    the limit, and the errors are widened by that factor; they are never narrowed below the curves' error.
     """
     size = jacobian.shape[1]
-    misfit = math.sqrt(float(residuals @ residuals) / max(data, 1.0))
-    if size == 0:
-        return Trust(np.zeros(0), np.zeros((0, 0)), 1.0, misfit, np.zeros(0))
-    widening = max(1.0, math.sqrt(float(residuals @ residuals) / max(data - size, 1.0)))
+    misfit = math.sqrt(float(residuals @ residuals) / data) if data > 0.0 else 0.0
     length = np.linalg.norm(jacobian, axis=0)
     alive = length > 1e-6
     errors, correlation = np.full(size, np.inf), np.full((size, size), np.nan)
     weakest = np.where(alive, 0.0, 1.0)
     if not alive.any():
-        return Trust(errors, correlation, math.inf, misfit, weakest)
+        return Trust(errors, correlation, math.inf if size else 1.0, misfit, weakest)
     _, singular, directions = np.linalg.svd(jacobian[:, alive] / length[alive], full_matrices=False)
-    inverse = directions.T / np.maximum(singular, 1e-14 * singular[0])
-    covariance = inverse @ inverse.T
+    singular = np.maximum(singular, 1e-14 * singular[0])
+    inverse = (directions.T / singular**2) @ directions
+    covariance = inverse @ (error_product[np.ix_(alive, alive)] / np.outer(length[alive], length[alive])) @ inverse
     spread = np.sqrt(np.diag(covariance))
-    errors[alive] = widening * spread / length[alive]
+    errors[alive] = max(1.0, misfit) * spread / length[alive]
     correlation[np.ix_(alive, alive)] = covariance / np.outer(spread, spread)
     if alive.all():
-        return Trust(errors, correlation, float(singular[0] / max(singular[-1], 1e-14 * singular[0])), misfit, directions[-1])
+        return Trust(errors, correlation, float(singular[0] / singular[-1]), misfit, directions[-1])
     return Trust(errors, correlation, math.inf, misfit, weakest / np.linalg.norm(weakest))
 
 

@@ -2,8 +2,8 @@
 
 Symbols: D overlap over radius, D_c the same at first yield, E Young's modulus over yield stress, nu Poisson's ratio.
 
-Loading. Exactly elastic (`finite_size_force`) up to D_c, then F = F_el/[1 + (b (sqrt(D/D_c) - 1) exp(-q D))^m]^(1/m): smooth at first yield for
-m > 1, and proportional to the overlap, as plastic indentation is, far beyond it.
+Loading. Exactly elastic (`finite_size_force`) up to D_c, then F = F_el/[1 + (b (sqrt(D/D_c) - 1) exp(-q D - r D^2))^m]^(1/m): smooth at first yield
+for m > 1; far beyond it proportional to the overlap, as plastic indentation is, with a factor for the flow of the whole body at large overlap.
 
 Unloading. Eqs. 2-4 of the paper: F = F_max s^alpha with s = 1 - (d_max - d) rho/R and rho = 1/D + phi E (g1 D + g2 D^-g3 + g4 nu). Eq. 5 gives D_c; as
 printed it has its two coefficients swapped, and its published constants may belong to one of three readings (`FIRST_YIELD`). At first yield
@@ -50,7 +50,8 @@ class EdmansSinka(NamedTuple):
     area_1: float  # elastic contact area, as in HertzFiniteSize
     area_2: float
     flow: float  # b: how far the force falls behind the elastic one
-    flow_decay: float  # q: how a finite body stiffens against that
+    flow_decay: float  # q: how a finite body differs from indentation
+    flow_decay_2: float  # r
     flow_sharpness: float  # m > 1: how fast
     plastic_area: float  # c0: a^2 = c0 R d exp(-c1 D) far beyond yield
     plastic_area_decay: float  # c1
@@ -89,7 +90,7 @@ def loading_ratio(law, depth, limit):  # type: ignore[no-untyped-def]
     """Force on the loading branch over the elastic force."""
     if depth <= limit:
         return 1.0
-    behind = law.flow * (math.sqrt(depth / limit) - 1.0) * math.exp(-law.flow_decay * depth)
+    behind = law.flow * (math.sqrt(depth / limit) - 1.0) * math.exp(-depth * (law.flow_decay + law.flow_decay_2 * depth))
     return (1.0 + behind**law.flow_sharpness) ** (-1.0 / law.flow_sharpness)
 
 
