@@ -12,6 +12,7 @@ from contactlaws import dispatch
 from contactlaws.curve import Curve
 from contactlaws.elastic import HertzFiniteSize
 from contactlaws.errors import InputError, Problem
+from contactlaws.tabulate import from_curve
 
 Values = Mapping[str, float]
 
@@ -156,3 +157,14 @@ register(
     )
 )
 register(Recipe("thornton", (MODULUS, Parameter("yield_pressure")), plastic_curves, body_and_modulus, _thornton_start, record_of("thornton")))
+register(
+    Recipe(
+        "tabulated", (), plastic_curves, lambda curves, given: {"radius": curves[0].radius}, lambda curves, known: {}, lambda curves, values: _table(curves)
+    )
+)
+
+
+def _table(curves: Sequence[Curve]) -> Any:
+    if len(curves) > 1:
+        raise InputError(Problem("curves", len(curves), "a tabulated law is made from one curve", "put all unloadings into one curve"))
+    return from_curve(curves[0])
