@@ -1,0 +1,85 @@
+"""Two equal spheres that collide head-on, through the same kernel as every scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from contactlaws import dispatch
+from contactlaws.errors import Problem, require
+from dem.box import Box
+from dem.forces import LARGEST_OVERLAP
+from dem.motion import Deformation
+from dem.particles import spheres
+from dem.timestep import collision_overlap, time_step
+from dem.working import Working, follow, working
+
+FloatArray = npt.NDArray[np.float64]
+
+#: of the critical step: some 2000 steps in an elastic collision
+FRACTION = 1e-3
+#: steps between two looks at whether it is over
+STRIDE = 200
+
+
+class Impact(NamedTuple):
+    """One row per speed."""
+
+    speed: FloatArray  # m/s; relative, of approach
+    restitution: FloatArray  # relative speed after over before
+    contact_time: FloatArray  # s; while there is force
+    largest_overlap: FloatArray  # m; of the pair
+
+
+def restitution(law: object, radius: float, density: float, speeds: Sequence[float] | FloatArray) -> Impact:
+    """Collide two spheres of `radius` (m) and `density` (kg/m3) at each relative speed (m/s); raises `InputError` on impossible values.
+
+    >>> from contactlaws.elastic import Hertz
+    >>> round(float(restitution(Hertz(5e-6, 151.47e9), 5e-6, 4750.0, [1.0]).restitution[0]), 6)
+    1.0
+    """
+    values = np.asarray(speeds, dtype=float).reshape(-1)
+    named = [("radius", radius, "m"), ("density", density, "kg/m3"), *(("speed", float(speed), "m/s") for speed in values)]
+    dispatch.law_of(law)
+    require(Problem(n, v, "must be a positive finite number", f"give it in {u}") for n, v, u in named if not (math.isfinite(v) and v > 0.0))
+    return Impact(values, *(np.array(column) for column in zip(*(_collide(law, radius, density, float(v)) for v in values), strict=True)))
+
+
+def _collide(law: object, radius: float, density: float, speed: float) -> tuple[float, float, float]:
+    bodies = spheres([[0.0, 0.0, 0.0], [2.0 * radius, 0.0, 0.0]], radius, density, [[0.5 * speed, 0.0, 0.0], [-0.5 * speed, 0.0, 0.0]])
+    dt = time_step(law, bodies, collision_overlap(law, bodies, speed), FRACTION, contacts=1).dt
+    edges = np.full(3, 20.0 * radius)
+    still = Deformation(edges, edges, 1, dt)
+    work = working(law, bodies, Box((edges[0], edges[1], edges[2]), (False, False, False)), radius)
+    steps = 0
+    while True:
+        kept = copied(work)
+        work, _ = follow(law, work, still, 0, STRIDE)
+        if work.magnitude[0] == 0.0 and closing_speed(work) < 0.0:
+            break
+        steps += STRIDE
+    work = kept
+    while True:  # the last stride again, step by step: when does the force end?
+        before = work.position[1, 0] - work.position[0, 0] - 2.0 * radius
+        work, _ = follow(law, work, still, 0, 1)
+        steps += 1
+        if work.magnitude[0] == 0.0:
+            break
+    gap = work.position[1, 0] - work.position[0, 0] - 2.0 * radius
+    beyond = gap / (gap - before) if gap >= 0.0 else 0.5  # of the last step; without a gap nobody knows
+    return -closing_speed(work) / speed, (steps - beyond) * dt, float(work.tally[LARGEST_OVERLAP]) * 2.0 * radius
+
+
+def closing_speed(work: Working) -> float:
+    """Relative speed of approach in m/s of the first two particles along x."""
+    return float(work.velocity[0, 0] - work.velocity[1, 0])
+
+
+def copied(work: Working) -> Working:
+    """A state of its own arrays."""
+    names = ("position", "velocity", "force", "virial", "tally", "magnitude", *(() if work.memory is None else ("memory",)))
+    return work._replace(**{name: getattr(work, name).copy() for name in names})

@@ -1,0 +1,62 @@
+"""Files for viewers: LAMMPS dump text (OVITO) and .vtu (ParaView)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from contactlaws.errors import require
+from dem.box import wrapped
+from dem.checkpoint import atomic, writable_problems
+from dem.record import Frame
+from dem.trajectory import Trajectory
+
+DUMP_COLUMNS = "id type x y z vx vy vz radius contacts pressure"
+
+
+def dump_text(frame: Frame, step: int) -> str:
+    """One frame as LAMMPS dump text, SI units, positions wrapped into the box."""
+    bounds = "".join(f"0.0 {length!r}\n" for length in frame.box.lengths)
+    faces = " ".join("pp" if periodic else "ff" for periodic in frame.box.periodic)
+    head = f"ITEM: TIMESTEP\n{step}\nITEM: TIME\n{frame.time!r}\nITEM: NUMBER OF ATOMS\n{len(frame.id)}\n"
+    lines = [
+        f"{number} 1 {x!r} {y!r} {z!r} {vx!r} {vy!r} {vz!r} {radius!r} {contacts} {pressure!r}\n"
+        for number, (x, y, z), (vx, vy, vz), radius, contacts, pressure in zip(
+            frame.id.tolist(), wrapped(frame.position, frame.box).tolist(), frame.velocity.tolist(), frame.radius.tolist(),
+            frame.contacts.tolist(), frame.pressure.tolist(), strict=True,
+        )  # fmt: skip
+    ]
+    return f"{head}ITEM: BOX BOUNDS {faces}\n{bounds}ITEM: ATOMS {DUMP_COLUMNS}\n{''.join(lines)}"
+
+
+def write_dump(trajectory: Trajectory, path: str | Path) -> Path:
+    """All frames in one LAMMPS dump text file, written whole or not at all; raises `InputError` if it cannot be written there."""
+    path = Path(path)
+    require(writable_problems(path))
+    with atomic(path) as file:
+        for frame in trajectory.frames:
+            file.write(dump_text(frame, frame.output).encode())
+    return path
+
+
+def write_vtu(trajectory: Trajectory, folder: str | Path) -> tuple[Path, ...]:
+    """One .vtu of points per frame, frame_0000.vtu and so on, in `folder`, with a .pvd that gives ParaView their times.
+
+    In ParaView: Glyph, sphere, scale array `diameter`, scale factor 1. Raises `InputError` if it cannot be written there.
+    """
+    folder = Path(folder)
+    require(writable_problems(folder / "frames.pvd"))
+    paths = []
+    for number, frame in enumerate(trajectory.frames):
+        points = wrapped(frame.position, frame.box)
+        data = {"id": frame.id, "diameter": 2.0 * frame.radius, "velocity": frame.velocity, "contacts": frame.contacts, "pressure": frame.pressure}
+        cells = [("vertex", np.arange(len(points)).reshape(-1, 1))]
+        paths.append(folder / f"frame_{number:04d}.vtu")
+        with atomic(paths[-1]) as file:
+            meshio.write(file, meshio.Mesh(points, cells, point_data=data), file_format="vtu")
+    entries = "".join(f'<DataSet timestep="{f.time!r}" file="{p.name}"/>' for f, p in zip(trajectory.frames, paths, strict=True))
+    with atomic(folder / "frames.pvd") as file:
+        file.write(f'<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>{entries}</Collection></VTKFile>\n'.encode())
+    return (*paths, folder / "frames.pvd")

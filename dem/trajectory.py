@@ -1,0 +1,99 @@
+"""The result of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dem.measure import Energies
+from dem.record import COLUMNS, Frame
+from dem.scene import Scene
+
+FloatArray = npt.NDArray[np.float64]
+
+#: what the energy balance must close to
+BALANCE = 1e-3
+#: kinetic over stored energy at the highest pressure, beyond which a loading is not slow
+SLOW = 0.01
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """One row per output; the first is the start. Compression is positive in strain and stress."""
+
+    time: FloatArray  # s
+    stage: npt.NDArray[np.int64]  # of the programme
+    strain: FloatArray  # engineering, per axis, shape (n, 3)
+    stress: FloatArray  # Pa, shape (n, 3, 3); contact and kinetic part
+    coordination_number: FloatArray  # mean over all particles, contacts that carry force
+    coordination_number_held: FloatArray  # mean over those that are no rattlers, rattlers' contacts not counted
+    rattlers: npt.NDArray[np.int64]
+    packing_fraction: FloatArray
+    energies: Energies
+    frames: tuple[Frame, ...]
+    statistics: Mapping[str, Any]  # dt, dt over critical, steps, lists made, cost in CPU seconds, code version, law, ...; JSON types
+    notes: tuple[str, ...]  # what was left out and why, how the box moves, how fast
+    warnings: tuple[str, ...]  # what to distrust
+    stopped: str | None = None  # why it ends before its programme does
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Pa; a third of the trace of the stress."""
+        return np.trace(self.stress, axis1=1, axis2=2) / 3.0
+
+
+def trajectory(
+    scene: Scene,
+    rows: list[list[float]],
+    frames: list[Frame],
+    statistics: dict[str, Any],
+    notes: tuple[str, ...],
+    warnings: tuple[str, ...],
+    stopped: str | None,
+) -> Trajectory:
+    """The record made of the rows of a run (see record.COLUMNS), with the warnings that only its end can give."""
+    column = dict(zip(COLUMNS, np.array(rows).T, strict=True))
+    energies = Energies(column["kinetic"], column["stored"], column["dissipated"], column["boundary work"])
+    stress = np.stack([column[f"stress {a}{b}"] for a in "xyz" for b in "xyz"], axis=-1).reshape(-1, 3, 3)
+    top = int(np.argmax(energies.stored))
+    summary = {
+        "energy_balance": float(np.abs(energies.balance).max()),
+        "kinetic_over_stored_at_peak": float(energies.kinetic[top] / energies.stored[top]) if energies.stored[top] > 0.0 else None,
+        "largest_overlap": float(column["largest overlap"].max()),
+    }
+    late = _late_warnings(scene, column, summary, statistics)
+    return Trajectory(
+        time=column["time"],
+        stage=column["stage"].astype(np.int64),
+        strain=np.stack([column[f"strain {a}"] for a in "xyz"], axis=-1),
+        stress=stress,
+        coordination_number=column["coordination"],
+        coordination_number_held=column["coordination held"],
+        rattlers=column["rattlers"].astype(np.int64),
+        packing_fraction=column["packing fraction"],
+        energies=energies,
+        frames=tuple(frames),
+        statistics=statistics | summary,
+        notes=notes,
+        warnings=(*warnings, *late, *(() if stopped is None else (stopped,))),
+        stopped=stopped,
+    )
+
+
+def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[str, Any], statistics: dict[str, Any]) -> Iterator[str]:
+    limit, most = scene.contact.fitted_overlap, int(column["contacts beyond"].max())
+    if limit is not None and summary["largest_overlap"] > limit:
+        deepest = summary["largest_overlap"]
+        yield f"overlap left the range the law was fitted for: up to {most} contacts at an output, largest D = {deepest:.4g} > {limit:.4g}"
+    reckoned = statistics["overlap_reckoned_with"] / (2.0 * float(np.max(scene.particles.radii, initial=1e-300)))
+    if scene.particles.count and summary["largest_overlap"] > reckoned:
+        yield f"contacts got deeper (D = {summary['largest_overlap']:.4g}) than the time step reckoned with ({reckoned:.4g}): it is not on the safe side"
+    if summary["energy_balance"] > BALANCE:
+        yield f"the energy balance closes to {summary['energy_balance']:.2g} only: take a smaller time_step_fraction"
+    ratio = summary["kinetic_over_stored_at_peak"]
+    if ratio is not None and ratio > SLOW and np.ptp(column["strain x"] + column["strain y"] + column["strain z"]) > 0.0:
+        yield f"kinetic energy is {ratio:.2g} of the stored one at the peak: take a smaller inertial_number for a quasi-static answer"
