@@ -46,7 +46,7 @@ def from_curve(curve: Curve) -> Tabulated:
         area=_frozen(area),
         area_slope=_frozen(_slopes(overlap, area) if area.size else area),
         largest=_frozen(largest),
-        recovered=_frozen([table[1] for table in tables]),
+        stiffening=_frozen([table[1] for table in tables]),
         start=_frozen(np.concatenate(([0], np.cumsum(sizes))) if sizes else np.zeros(0)),
         unload_left=_frozen(columns[0]),
         unload_force=_frozen(columns[1]),
@@ -60,7 +60,7 @@ def from_curve(curve: Curve) -> Tabulated:
 
 
 def _unloading(curve: Curve, branch: int) -> tuple[float, float, tuple[FloatArray, ...]]:
-    """Largest overlap, recovered part of it, and the six normalised columns of one unloading, from separation up."""
+    """Largest overlap, what plasticity adds to 1/(d_max - d_0), and the six normalised columns of one unloading, from separation up."""
     rows = curve.rows(branch)
     overlap, force = curve.overlap[rows][::-1], curve.force[rows][::-1]
     # a recorded separation may lie a round-off or the last row's small force away from zero: the shape itself starts at exactly 0
@@ -70,8 +70,9 @@ def _unloading(curve: Curve, branch: int) -> tuple[float, float, tuple[FloatArra
     slope = _slopes(left, ratio)
     area = np.zeros(0) if curve.contact_radius is None else (curve.contact_radius[rows][::-1] / curve.contact_radius[rows][0]) ** 2
     area_slope = _slopes(left, area) if area.size else area
-    recovered = (overlap[-1] - overlap[0]) / overlap[-1]
-    return float(overlap[-1]), float(recovered), (left, ratio, slope, _integral(left, ratio, slope), area, area_slope)
+    # an unloading of a body that has hardly yielded may seem to give back all of the overlap: at least 1e-6 of it is taken to stay
+    stiffening = max(1.0 / (overlap[-1] - overlap[0]) - 1.0 / overlap[-1], 1e-6 / overlap[-1])
+    return float(overlap[-1]), float(stiffening), (left, ratio, slope, _integral(left, ratio, slope), area, area_slope)
 
 
 def _steepest(x: FloatArray, y: FloatArray, slope: FloatArray) -> float:

@@ -2,8 +2,9 @@
 
 Loading: a power law up to the first row, then a monotone cubic (Fritsch & Carlson 1980) through all rows, then a straight line. Unloading from a
 stored state: the rows of that branch, by the same cubic, as force over the force at its start against s = (d - d_0)/(d_max - d_0), d_0 the separation.
-Between two stored states both curves are taken at the same s and mixed linearly in the logarithm of d_max, and (d_max - d_0)/d_max is a power
-of d_max. The "stored state" at first yield is the elastic response. Beyond the last stored state the shape stays and (d_max - d_0) grows with the force.
+Between two stored states both curves are taken at the same s and mixed linearly in the logarithm of d_max; what plasticity adds to the unloading
+stiffness, 1/(d_max - d_0) - 1/d_max, is a power of d_max. Between first yield and the first stored state the shape is mixed with the elastic one,
+and that addition goes as phi d_max^-1/2: phi of Edmans & Sinka 2020 (Eq. 4) from 0 at first yield, the power that of similar plastic indentation. Beyond the last stored state the shape stays and (d_max - d_0) grows with the force.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
 
 FloatArray = npt.NDArray[np.float64]
+GAMMA_5 = 0.3429  # Edmans & Sinka 2020, Table 1
 
 
 class Tabulated(NamedTuple):
@@ -36,7 +38,7 @@ class Tabulated(NamedTuple):
     area: FloatArray  # m2; contact radius squared; empty if not known
     area_slope: FloatArray  # m
     largest: FloatArray  # m; overlap at the start of each unloading
-    recovered: FloatArray  # -; (d_max - d_0)/d_max of each
+    stiffening: FloatArray  # 1/m; 1/(d_max - d_0) - 1/d_max of each
     start: FloatArray  # first row of each in what follows, and the number of all rows at the end
     unload_left: FloatArray  # s, from 0 at separation to 1
     unload_force: FloatArray  # over the force at the start
@@ -151,15 +153,23 @@ def stored_before(law, largest):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def plastic_part(law, largest):  # type: ignore[no-untyped-def]
+    """phi, Eq. 4 with the published gamma_5."""
+    return 1.0 - law.yield_overlap / (GAMMA_5 * largest + (1.0 - GAMMA_5) * law.yield_overlap)
+
+
+@kernel
 def recovered_overlap(law, largest):  # type: ignore[no-untyped-def]
     """d_max - d_0 in m."""
     k, share = stored_before(law, largest)
     last = law.largest.size - 1
     if k == last:
         top = law.largest[last]
-        return law.recovered[last] * top * tabulated_loading(law, largest) / tabulated_loading(law, top)
-    before = 1.0 if k < 0 else law.recovered[k]
-    return largest * before ** (1.0 - share) * law.recovered[k + 1] ** share
+        return tabulated_loading(law, largest) / tabulated_loading(law, top) / (1.0 / top + law.stiffening[last])
+    if k < 0:
+        onset = plastic_part(law, largest) / plastic_part(law, law.largest[0])
+        return 1.0 / (1.0 / largest + law.stiffening[0] * onset * math.sqrt(law.largest[0] / largest))
+    return 1.0 / (1.0 / largest + law.stiffening[k] ** (1.0 - share) * law.stiffening[k + 1] ** share)
 
 
 @kernel
