@@ -178,3 +178,14 @@ def show_laws(laws: Mapping[str, Any]) -> None:
     for law in laws.values():
         table.add_row(law.name, ", ".join(name.replace("_", " ") for name in law.memory) or "nothing", law.source)
     out.print(table)
+
+
+def show_impact(table: Any, law: str, warnings: Iterable[str]) -> None:
+    """One row per speed, and a warning where the law is extrapolated."""
+    shown = _table("speed (m/s)", "restitution", "contact time (s)", "largest overlap of the pair (m)")
+    for speed, e, duration, overlap in zip(*(column.tolist() for column in table), strict=True):
+        shown.add_row(number(speed, 5), f"{e:.6f}", number(duration, 5), number(overlap, 5))
+    out.print(f"two equal spheres on {law}")
+    out.print(shown)
+    for warning in warnings:
+        log.print(f"[yellow]warning[/] {escape(warning)}")

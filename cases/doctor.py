@@ -100,9 +100,9 @@ def _program(name: str, purpose: str) -> Finding:
 def _extras() -> Iterator[Finding]:
     members: dict[str, list[str]] = {}
     for item in _requirements():
-        extra = re.search(r"extra == ['\"]([\w-]+)['\"]", item)
-        if extra:
-            members.setdefault(extra.group(1), []).append(_name(item))
+        marker = re.search(r"extra == ['\"]([\w-]+)['\"]", item)
+        if marker:
+            members.setdefault(marker.group(1), []).append(_name(item))
     for extra, names in members.items():
         missing = [name for name in names if _version(name) is None]
         text = f"not installed: {', '.join(missing)}; pip install 'fe2dem[{extra}]'" if missing else ", ".join(names)

@@ -80,12 +80,13 @@ def _fit(name: str, table: FitTable, case: Case, folder: Path) -> Task:
     return Task("fits", name, {"law": table.law, "radius": table.radius, "material": material}, needs, given)
 
 
-def _made_from(fit: str, folder: Path) -> dict[str, tuple[str, ...]]:
-    return {"given": (str(folder / fit),)} if is_file(fit) else {"needs": (f"fits.{fit}",)}
+def _made_from(fit: str, folder: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The tasks and the files of the user that a law comes from."""
+    return ((), (str(folder / fit),)) if is_file(fit) else ((f"fits.{fit}",), ())
 
 
 def _impact(name: str, table: ImpactTable, folder: Path) -> Task:
-    return Task("impacts", name, table.model_dump(mode="json", exclude={"fit"}), **_made_from(table.fit, folder))
+    return Task("impacts", name, table.model_dump(mode="json", exclude={"fit"}), *_made_from(table.fit, folder))
 
 
 def _packing(table: Scene) -> Task:
@@ -94,7 +95,6 @@ def _packing(table: Scene) -> Task:
 
 
 def _scene(name: str, table: SceneTable, folder: Path) -> Task:
-    made_from = _made_from(table.fit, folder)
-    needs = (*made_from.get("needs", ()), _packing(table).id)
+    fits, files = _made_from(table.fit, folder)
     values = table.model_dump(mode="json", include={"radius", "density", "strain", "strain_rate", "release"})
-    return Task("scenes", name, values, needs, made_from.get("given", ()))
+    return Task("scenes", name, values, (*fits, _packing(table).id), files)

@@ -126,7 +126,9 @@ class Scene(Spheres):
     strain: Annotated[float, in_unit("")] = Field(
         gt=0, lt=0.5, allow_inf_nan=False, description="the largest compressive strain, such as 0.03"
     )
-    strain_rate: Rate = Field(description="the strain rate, such as '100 1/s'")
+    strain_rate: Rate | None = Field(
+        None, description="the strain rate, such as '100 1/s'; without it, slow enough that inertia hardly shows"
+    )
     release: bool = Field(True, description="whether the strain is taken back at the same rate")
     seed: int = Field(1, ge=0, description="the seed of the random packing")
 
@@ -185,12 +187,14 @@ def read_case(path: str | Path) -> Case:
 
 def read_scene(path: str | Path, law: Path | None) -> tuple[Scene, Path]:
     """Read and check a scene file and where its law is; `law` takes the place of the one that the file names. Raises `InputError`."""
-    values, problems = read_toml(path), []
+    values = read_toml(path)
+    scene: SceneFile | None = None
+    problems: list[Problem] = []
     try:
         scene = SceneFile.model_validate(values)
         problems += _density_problems("packing_fraction", scene.packing_fraction)
     except ValidationError as error:
-        scene, problems = None, list(problems_in(error, SceneFile))
+        problems += problems_in(error, SceneFile)
     named = values.get("law")
     file = law or (Path(path).parent / named if isinstance(named, str) else None)
     if file is None:

@@ -13,6 +13,7 @@ from cases.schema import CurveOptions, Impact, Sample, depth_problems, missing_y
 from cases.store import problems_with_writing
 from cases.validation import suggestion, validated
 from contactlaws.errors import InputError, Problem
+from contactlaws.files import write_text
 
 M = TypeVar("M", bound=BaseModel)
 CURVE_FILES = (".csv", ".parquet")
@@ -98,12 +99,14 @@ def impact(law: Path | None, options: Mapping[str, Any], out: Path | None) -> No
     if spheres is None or law is None or problems:
         raise InputError(_in_words_of_options(problems))
 
+    from cases.work import range_warnings
     from dem.impact import restitution
 
     table = restitution(record.law, spheres.radius, spheres.density, spheres.speed)
     if out is not None:
-        console.write_impact(table, out)
-    console.show_impact(table, record, spheres.radius)
+        rows = zip(*(column.tolist() for column in table), strict=True)
+        write_text(out, "\n".join((",".join(table._fields), *(",".join(map(repr, row)) for row in rows))) + "\n")
+    console.show_impact(table, record.name, range_warnings(record, table.speed, table.largest_overlap, spheres.radius))
 
 
 def _checked(model: type[M], values: Mapping[str, Any]) -> tuple[M | None, list[Problem]]:
