@@ -7,4 +7,18 @@ from dem.scene import Contact, Scene, Stage, packed_scene, uniaxial_compression
 from dem.simulation import run
 from dem.trajectory import Trajectory
 
-__all__ = ["Box", "Contact", "Particles", "Scene", "Stage", "Trajectory", "impact", "output", "packed_scene", "packing", "run", "spheres", "uniaxial_compression"]
+__all__ = [
+    "Box",
+    "Contact",
+    "Particles",
+    "Scene",
+    "Stage",
+    "Trajectory",
+    "impact",
+    "output",
+    "packed_scene",
+    "packing",
+    "run",
+    "spheres",
+    "uniaxial_compression",
+]

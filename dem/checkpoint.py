@@ -60,5 +60,6 @@ def load(path: Path, identity: dict[str, str]) -> tuple[dict[str, Any], dict[str
         raise InputError(Problem("checkpoint", str(path), f"cannot be read ({error})", "delete it to start from the beginning")) from error
     for name, wanted in identity.items():
         if found.get(name) != wanted:
-            raise InputError(Problem(f"checkpoint {name}", found.get(name), f"this run has {wanted}", f"delete {path} to start from the beginning"))
+            remedy = f"delete {path} to start from the beginning"
+            raise InputError(Problem(f"checkpoint {name}", found.get(name), f"this run has {wanted}", remedy))
     return numbers, arrays

@@ -7,10 +7,10 @@ import math
 from contactlaws import dispatch, pair
 from contactlaws.compiled import kernel
 
-#: what the kernels keep count of: J given in by the moving boundary; J dissipated by contacts that have ended; largest overlap of one body
-#: over its radius, at any time
-BOUNDARY_WORK, LOST_ENERGY, LARGEST_OVERLAP = range(3)
-TALLIES = 3
+#: what the kernels keep count of: J given in by the moving boundary; J dissipated by contacts that have ended; J taken out by the drag;
+#: largest overlap of one body over its radius, at any time
+BOUNDARY_WORK, LOST_ENERGY, DAMPED_ENERGY, LARGEST_OVERLAP = range(4)
+TALLIES = 4
 
 
 @kernel
@@ -30,13 +30,15 @@ def forget(law, scale, memory, row):  # type: ignore[no-untyped-def]
 
 @kernel
 def pair_forces(  # type: ignore[no-untyped-def]
-    law, position, velocity, radius, one_radius, lengths, strain_rate, dt, start, partner, image, images, memory, magnitude, force, virial, tally
+    law, position, velocity, radius, one_radius, lengths, strain_rate, dt,
+    start, partner, image, images, memory, magnitude, force, virial, tally,
 ):
     """Forces in N on all particles, shape (n, 3), from one pass over the half list. It is long because it is the loop that costs.
 
     `radius` is None when all are `one_radius`, `memory` is None for a law without memory: what is absent is compiled away. `strain_rate`
     (1/s, per axis) is that of the box, which moves images against each other; `dt` is the time since the last call. Filled in place:
-    `force`, `magnitude` (N, per pair), `memory`, `tally` and `virial`, the sums of r_a F_b over contacts in J in the order xx yy zz yz xz xy.
+    `force`, `magnitude` (N, per pair), `memory`, `tally` and `virial`, the sums of r_a F_b over contacts in J, in the order
+    xx yy zz yz xz xy.
     """
     force[:] = 0.0
     xx, yy, zz, yz, xz, xy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

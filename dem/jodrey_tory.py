@@ -1,9 +1,9 @@
 """The loop of Jodrey & Tory's random close packing: again and again, push the worst pair apart.
 
-Everything is in units of the (cubic) box's edge. `ratio` of a pair is its distance over the sum of its nominal radii, so ratio**3 is a packing
-fraction. The smallest ratio, the inner one, rises as pairs are moved; the outer one, to which the worst pair is spread, sinks by a
-small step with every move, the smaller the closer the two are. The worst pair is found through a tournament tree over each particle's
-nearest neighbour, so a move costs a few searches of 27 cells, whatever the number of particles.
+Everything is in units of the (cubic) box's edge. `ratio` of a pair is its distance over the sum of its nominal radii, those that would
+fill the box, so ratio**3 is a packing fraction. The smallest ratio, the inner one, rises as pairs are moved; the outer one, to which the
+worst pair is spread, sinks by a small step with every move, the smaller the closer the two are. The worst pair is found through a
+tournament tree over each particle's nearest neighbour, so a move costs a few searches of 27 cells, whatever the number of particles.
 """
 
 from __future__ import annotations

@@ -22,12 +22,13 @@ class Energies(NamedTuple):
     kinetic: FloatArray  # of the motion relative to the box
     stored: FloatArray  # in contacts, recoverable
     dissipated: FloatArray  # in contacts, living and ended
+    damped: FloatArray  # by the drag of a quasi-static stage
     boundary_work: FloatArray  # put in by the moving box since the start
 
     @property
     def balance(self) -> FloatArray:
-        """What is missing: change of kinetic, stored and dissipated energy less the work, over the most that has been in the system."""
-        held = self.kinetic + self.stored + self.dissipated
+        """What is missing: change of the energy held, dissipated and damped less the work, over the most that it ever came to."""
+        held = self.kinetic + self.stored + self.dissipated + self.damped
         most = float(np.max(held, initial=0.0))
         return (held - held[:1] - self.boundary_work) / (most or 1.0)
 

@@ -1,20 +1,24 @@
 """Leap-frog in a box that deforms: kick half, drift, kick half.
 
-With the position x = L s in a box of edges L(t), the peculiar velocity v = L ds/dt obeys m dv/dt = F - m (L'/L) v (the SLLOD equations; for
-L linear in time they are Newton's equations in the laboratory). So L v is constant in the drift, whose displacement is taken with L at
-half the step: the scheme is symplectic and of second order, and keeps the total momentum to round-off. The motion of the box is affine: every
-particle is carried along with it at once, and no wave starts from a moving face. The energy that the boundary gives is the change of kinetic
-energy in the drift and the trapezium of -(virial/L) dL.
+With the position x = L s in a box of edges L(t), the peculiar velocity v = L ds/dt obeys m dv/dt = F - m (L'/L) v (the SLLOD equations;
+for L linear in time they are Newton's equations in the laboratory). So L v is constant in the drift, whose displacement is taken with L at
+half the step: the scheme is symplectic and of second order, and keeps the total momentum to round-off. The motion of the box is affine:
+every particle is carried along with it at once, and no wave starts from a moving face. The energy that the boundary gives is the change of
+kinetic energy in the drift and the trapezium of -(virial/L) dL.
+
+In quasi-static stages velocities relative to the box fade at a constant rate, before the first and after the second kick. Frictionless
+elastic spheres would turn every rearrangement into heat that never leaves, and the slower the loading, the hotter they would end.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from contactlaws.compiled import kernel
-from dem.forces import BOUNDARY_WORK, pair_forces
+from dem.forces import BOUNDARY_WORK, DAMPED_ENERGY, pair_forces
 
 
 class Deformation(NamedTuple):
@@ -24,6 +28,7 @@ class Deformation(NamedTuple):
     end: np.ndarray  # m, shape (3,)
     steps: int
     dt: float  # s
+    drag: float = 0.0  # 1/s; at which velocities relative to the box fade
 
 
 @kernel
@@ -60,8 +65,19 @@ def drift(position, velocity, mass, before, after, dt):  # type: ignore[no-untyp
 
 
 @kernel
+def slow_down(velocity, mass, factor):  # type: ignore[no-untyped-def]
+    """Multiply the velocities by `factor`; return the kinetic energy in J that this takes away."""
+    taken = 0.0
+    for i in range(len(velocity)):
+        for axis in range(3):
+            taken += 0.5 * mass[i] * velocity[i, axis] * velocity[i, axis] * (1.0 - factor * factor)
+            velocity[i, axis] *= factor
+    return taken
+
+
+@kernel
 def outrun(position, origin, lengths, old_lengths, skin, widest):  # type: ignore[no-untyped-def]
-    """Whether a pair outside the list may touch by now: two particles have used up the skin, less what the box itself brought them closer."""
+    """Whether a pair outside the list may touch by now: two particles have used up the skin, less what the box brought them closer."""
     stretch = lengths / old_lengths
     slack = skin - 2.0 * widest * (1.0 / min(stretch[0], stretch[1], stretch[2], 1.0) - 1.0)
     if slack <= 0.0:
@@ -79,17 +95,20 @@ def outrun(position, origin, lengths, old_lengths, skin, widest):  # type: ignor
 
 @kernel
 def advance(  # type: ignore[no-untyped-def]
-    law, deformation, step, steps, drifted, position, velocity, mass, radius, one_radius, widest, pairs, memory, magnitude, force, virial, tally
+    law, deformation, step, steps, drifted, position, velocity, mass, radius, one_radius, widest,
+    pairs, memory, magnitude, force, virial, tally,
 ):
     """Take `steps` steps from number `step` of a stage, or fewer if the pair list no longer holds.
 
     Returns the number of the step reached and whether it stands in the middle, with positions moved and the forces still to come; then the
     caller makes a new list and calls again with `drifted`.
     """
-    dt = deformation.dt
+    dt, fading = deformation.dt, math.exp(-0.5 * deformation.drag * deformation.dt)
     for now in range(step, step + steps):
         before, after = lengths_at(deformation, now), lengths_at(deformation, now + 1)
         if not drifted:
+            if deformation.drag > 0.0:
+                tally[DAMPED_ENERGY] += slow_down(velocity, mass, fading)
             kick(velocity, force, mass, 0.5 * dt)
             tally[BOUNDARY_WORK] += drift(position, velocity, mass, before, after, dt)
             if outrun(position, pairs.position, after, pairs.lengths, pairs.skin, widest):
@@ -106,4 +125,6 @@ def advance(  # type: ignore[no-untyped-def]
         for axis in range(3):
             tally[BOUNDARY_WORK] -= 0.5 * virial[axis] / after[axis] * change[axis]
         kick(velocity, force, mass, 0.5 * dt)
+        if deformation.drag > 0.0:
+            tally[DAMPED_ENERGY] += slow_down(velocity, mass, fading)
     return step + steps, False

@@ -26,7 +26,7 @@ def dump_text(frame: Frame, step: int) -> str:
         for number, (x, y, z), (vx, vy, vz), radius, contacts, pressure in zip(
             frame.id.tolist(), wrapped(frame.position, frame.box).tolist(), frame.velocity.tolist(), frame.radius.tolist(),
             frame.contacts.tolist(), frame.pressure.tolist(), strict=True,
-        )  # fmt: skip
+        )
     ]
     return f"{head}ITEM: BOX BOUNDS {faces}\n{bounds}ITEM: ATOMS {DUMP_COLUMNS}\n{''.join(lines)}"
 
@@ -51,7 +51,7 @@ def write_vtu(trajectory: Trajectory, folder: str | Path) -> tuple[Path, ...]:
     paths = []
     for number, frame in enumerate(trajectory.frames):
         points = wrapped(frame.position, frame.box)
-        data = {"id": frame.id, "diameter": 2.0 * frame.radius, "velocity": frame.velocity, "contacts": frame.contacts, "pressure": frame.pressure}
+        data = {name: getattr(frame, name) for name in ("id", "velocity", "contacts", "pressure")} | {"diameter": 2.0 * frame.radius}
         cells = [("vertex", np.arange(len(points)).reshape(-1, 1))]
         paths.append(folder / f"frame_{number:04d}.vtu")
         with atomic(paths[-1]) as file:

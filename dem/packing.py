@@ -64,9 +64,8 @@ def random_close_packing(count: int, packing_fraction: float, radius: float | np
             worst = 1.0 - min(ratio, 0.5 / float(nominal.max())) / target
             return Packing(position * edge, one, Box((edge, edge, edge)), packing_fraction, worst, moves, rate)
         best = max(best, ratio**3)
-    raise InputError(
-        Problem("packing_fraction", packing_fraction, f"{best:.4f} was reached with {count} spheres (seed {seed})", "ask for less, or try another seed")
-    )
+    reached = f"{best:.4f} was reached with {count} spheres (seed {seed})"
+    raise InputError(Problem("packing_fraction", packing_fraction, reached, "ask for less, or try another seed"))
 
 
 def _problems(count: int, packing_fraction: float, radius: float | npt.ArrayLike) -> Iterator[Problem]:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dem.box import Box
-from dem.forces import BOUNDARY_WORK, LARGEST_OVERLAP, LOST_ENERGY, audit
+from dem.forces import BOUNDARY_WORK, DAMPED_ENERGY, LARGEST_OVERLAP, LOST_ENERGY, audit
 from dem.measure import coordination, kinetic_energy, stress_tensor
 from dem.working import Working
 
@@ -19,7 +19,7 @@ COLUMNS = (
     *("time", "stage", "strain x", "strain y", "strain z"),
     *(f"stress {a}{b}" for a in "xyz" for b in "xyz"),
     *("coordination", "coordination held", "rattlers", "packing fraction"),
-    *("kinetic", "stored", "dissipated", "boundary work", "contacts beyond", "largest overlap"),
+    *("kinetic", "stored", "dissipated", "damped", "boundary work", "contacts beyond", "largest overlap"),
 )
 
 
@@ -37,7 +37,9 @@ class Frame(NamedTuple):
     pressure: FloatArray  # Pa; a third of the trace of each sphere's own stress, compression positive
 
 
-def observe(law: object, work: Working, box: Box, reference: Box, limit: float) -> tuple[dict[str, float], npt.NDArray[np.int64], FloatArray]:
+def observe(
+    law: object, work: Working, box: Box, reference: Box, limit: float
+) -> tuple[dict[str, float], npt.NDArray[np.int64], FloatArray]:
     """The columns that a state decides (not time and stage), and per sphere the contacts and the pressure in Pa.
 
     `reference` is the box that strain counts from, `limit` the overlap of one body over its radius up to which the law was fitted.
@@ -56,7 +58,8 @@ def observe(law: object, work: Working, box: Box, reference: Box, limit: float) 
     values |= {f"stress {a}{b}": stress[i, j] for i, a in enumerate("xyz") for j, b in enumerate("xyz")}
     values |= {"coordination": mean, "coordination held": held, "rattlers": rattlers, "packing fraction": float(solid.sum()) / box.volume}
     values |= {"kinetic": kinetic_energy(work.velocity, work.mass), "stored": stored, "dissipated": dissipated + work.tally[LOST_ENERGY]}
-    values |= {"boundary work": work.tally[BOUNDARY_WORK], "contacts beyond": beyond, "largest overlap": work.tally[LARGEST_OVERLAP]}
+    values |= {"boundary work": work.tally[BOUNDARY_WORK], "damped": work.tally[DAMPED_ENERGY]}
+    values |= {"contacts beyond": beyond, "largest overlap": work.tally[LARGEST_OVERLAP]}
     return values, contacts, pressure / (3.0 * solid)
 
 

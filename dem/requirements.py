@@ -63,16 +63,18 @@ def _programme_problems(scene: Scene) -> Iterator[Problem]:
                 yield Problem(name, stretch, "an open axis cannot be compressed", "make the axis periodic")
         if stage.duration is None:
             if change == 0.0 or not scene.particles.count:
-                yield Problem(f"programme[{number}].duration", None, "a stage without motion, or without particles, needs one", "give it in s")
+                yield Problem(f"programme[{number}].duration", None, "nothing moves, so nothing says how slowly", "give it in s")
         elif not (math.isfinite(stage.duration) and stage.duration > 0.0):
-            yield Problem(f"programme[{number}].duration", stage.duration, "must be positive", "give it in s; a strain rate must not be 0")
+            remedy = "give it in s; a strain rate must not be 0"
+            yield Problem(f"programme[{number}].duration", stage.duration, "must be positive", remedy)
 
 
 def overlap_problems(scene: Scene, overlap: float) -> Iterator[Problem]:
     """What is wrong with a start at this overlap (m, of a pair)."""
     smallest = float(np.min(scene.particles.radii, initial=math.inf))
     if not overlap <= smallest:
-        yield Problem("overlap at the start", overlap, f"spheres lie deeper in each other than the smallest radius, {smallest:.4g} m", "pack them first")
+        bound = f"spheres lie deeper in each other than the smallest radius, {smallest:.4g} m"
+        yield Problem("overlap at the start", overlap, bound, "pack them first")
 
 
 def reference_pressure(scene: Scene, strain: float) -> float:
@@ -104,6 +106,12 @@ def durations(scene: Scene) -> tuple[float, ...]:
     )
 
 
+def drags(scene: Scene) -> tuple[float, ...]:
+    """Rate in 1/s at which velocities relative to the box fade, per stage: without it an elastic packing heats up, the more the slower."""
+    rate = scene.drag / inertial_time(scene) if scene.drag is not None and any(stage.duration is None for stage in scene.programme) else 0.0
+    return tuple(rate if stage.duration is None else 0.0 for stage in scene.programme)
+
+
 def changes(scene: Scene) -> tuple[float, ...]:
     """Largest change of stretch along any axis in each stage."""
     before = ((1.0, 1.0, 1.0), *(stage.stretch for stage in scene.programme))
@@ -126,11 +134,14 @@ def left_out(scene: Scene) -> tuple[str, ...]:
 def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
     """How the box moves and how fast, one line per stage in which it does."""
     lines = ["the box deforms affinely and carries the particles along (SLLOD); velocities and kinetic energy are relative to it"]
-    for number, (change, duration) in enumerate(zip(changes(scene), durations, strict=True)):
-        if change > 0.0 and scene.particles.count:
-            rate = change / duration
-            inertial = rate * inertial_time(scene)
-            lines.append(f"stage {number}: strain rate {rate:.3g} 1/s over {duration:.3g} s, inertial number {inertial:.2g} at the largest strain")
+    for number, (change, duration, drag) in enumerate(zip(changes(scene), durations, drags(scene), strict=True)):
+        if change == 0.0 or not scene.particles.count:
+            continue
+        rate, slowness = change / duration, inertial_time(scene)
+        line = f"stage {number}: strain rate {rate:.3g} 1/s over {duration:.3g} s, inertial number {rate * slowness:.2g} at the top"
+        if drag > 0.0:
+            line += f"; quasi-static: velocities fade at {drag:.3g} 1/s, which carries some {drag * rate * slowness**2:.1g} of the pressure"
+        lines.append(line)
     return tuple(lines)
 
 
@@ -138,5 +149,6 @@ def rate_warnings(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]
     """Stages too fast for a quasi-static answer."""
     if not scene.particles.count:
         return ()
-    rates = [change / duration * inertial_time(scene) for change, duration in zip(changes(scene), durations, strict=True) if change > 0.0]
-    return tuple(f"inertial number {rate:.2g} > {QUASI_STATIC:g}: inertia shows in the stress" for rate in rates if rate > 1.001 * QUASI_STATIC)
+    moving = ((change, duration) for change, duration in zip(changes(scene), durations, strict=True) if change > 0.0)
+    numbers = [change / duration * inertial_time(scene) for change, duration in moving]
+    return tuple(f"inertial number {n:.2g} > {QUASI_STATIC:g}: inertia shows in the stress" for n in numbers if n > 1.001 * QUASI_STATIC)

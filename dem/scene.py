@@ -27,11 +27,13 @@ class Stage(NamedTuple):
     """A part of the loading programme: the edges of the box go linearly to `stretch` times the initial ones."""
 
     stretch: tuple[float, float, float]  # at the end, over the box of the scene
-    duration: float | None = None  # s; None: from the scene's inertial number
+    duration: float | None = None  # s; None: quasi-static, as slow as the scene's inertial number says and with its drag
 
 
 def uniaxial_compression(strain: float, axis: int = 2, strain_rate: float | None = None, release: bool = True) -> tuple[Stage, ...]:
-    """Compress along one axis by an engineering `strain` (0.03 is 3 %), the other edges fixed, and release. `strain_rate` in 1/s.
+    """Compress along one axis by an engineering `strain` (0.03 is 3 %), the other edges fixed, and release.
+
+    Quasi-static, unless a `strain_rate` (1/s) is given: then nothing but the contacts takes energy out.
 
     >>> uniaxial_compression(0.03, strain_rate=100.0)[0]
     Stage(stretch=(1.0, 1.0, 0.97), duration=0.0003)
@@ -53,8 +55,9 @@ class Scene:
     programme: tuple[Stage, ...]
     outputs: int = 60  # recorded states per stage
     frames: int = 6  # of these, states whose positions are kept
-    inertial_number: float = 1e-3  # of stages without a duration
-    time_step_fraction: float = 0.2  # of the critical step
+    inertial_number: float = 3e-4  # of quasi-static stages; the cost goes with its inverse
+    drag: float | None = 2.5  # of quasi-static stages, on velocities relative to the box: their rate of decay times d sqrt(rho/p)
+    time_step_fraction: float = 0.4  # of the critical step
     skin: float = 0.05  # of the Verlet list, over the largest diameter
 
     @property
@@ -64,7 +67,7 @@ class Scene:
         for array in self.particles:
             digest.update(np.ascontiguousarray(array).tobytes())
         rest = (self.box, self.contact, self.programme, self.outputs, self.frames)
-        digest.update(repr((*rest, self.inertial_number, self.time_step_fraction, self.skin)).encode())
+        digest.update(repr((*rest, self.inertial_number, self.drag, self.time_step_fraction, self.skin)).encode())
         return digest.hexdigest()[:16]
 
 

@@ -55,8 +55,8 @@ class Log(NamedTuple):
 def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Trajectory:
     """Simulate `scene`; `progress` is called with the fraction done and a line of text.
 
-    With `checkpoint` (an .npz file) the state is saved every few seconds, and a run that finds the file goes on from it with the same bits as
-    if it had never stopped; a finished one is returned at once. Raises `InputError`, before computing, for anything that cannot be
+    With `checkpoint` (an .npz file) the state is saved every few seconds, and a run that finds the file goes on from it with the same bits
+    as if it had never stopped; a finished one is returned at once. Raises `InputError`, before computing, for anything that cannot be
     simulated. A run that diverges is returned up to there, with the reason in `stopped`.
     """
     path = None if checkpoint is None else Path(checkpoint)
@@ -81,7 +81,7 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
         since = reached - plan.outputs[0][1] if number == 1 or plan.outputs[number - 2][0] != stage else plan.outputs[number - 2][1]
         work, lists = follow(law, work, plan.deformations[stage], since, reached - since)
         if not (np.isfinite(work.position).all() and np.isfinite(work.velocity).all()):
-            stopped = f"the motion diverged before output {number}: the time step is {plan.step.dt:.3g} s, take a smaller time_step_fraction"
+            stopped = f"the motion diverged before output {number}: take a smaller time_step_fraction (the step is {plan.step.dt:.3g} s)"
             break
         log.counts["steps"] += reached - since
         log.counts["pair_lists"] += lists
@@ -102,11 +102,12 @@ def prepare(scene: Scene, work: Working) -> Plan:
     ends = [edges * np.array(stage.stretch) for stage in scene.programme]
     every = [max(1, math.ceil(duration / (step.dt * scene.outputs))) for duration in durations]
     deformations = tuple(
-        Deformation(before, after, n * scene.outputs, duration / (n * scene.outputs))
-        for before, after, n, duration in zip([edges, *ends], ends, every, durations, strict=False)
+        Deformation(before, after, n * scene.outputs, duration / (n * scene.outputs), drag)
+        for before, after, n, duration, drag in zip([edges, *ends], ends, every, durations, requirements.drags(scene), strict=False)
     )
     outputs = tuple((stage, n * k) for stage, n in enumerate(every) for k in range(1, scene.outputs + 1))
-    kept = {0} | {stage * scene.outputs + round(k * scene.outputs / scene.frames) for stage in range(len(every)) for k in range(1, scene.frames + 1)}
+    within = [round(k * scene.outputs / scene.frames) for k in range(1, scene.frames + 1)]
+    kept = {0} | {stage * scene.outputs + k for stage in range(len(every)) for k in within}
     notes = (*requirements.left_out(scene), *requirements.motion_notes(scene, durations), step.note)
     return Plan(deformations, outputs, frozenset(kept), step, notes, requirements.rate_warnings(scene, durations))
 
@@ -149,8 +150,9 @@ def _restored(scene: Scene, work: Working, counts: dict[str, Any], arrays: dict[
     work = with_arrays(work, {name.removeprefix("work_"): value for name, value in arrays.items() if name.startswith("work_")})
     rows = arrays["rows"].tolist()
     own = zip(*(arrays[f"frame_{name}"] for name in ("outputs", "lengths", "position", "velocity", "contacts", "pressure")), strict=True)
+    same = (scene.particles.id, scene.particles.radii)
     frames = [
-        Frame(int(output), rows[int(output)][0], Box(tuple(edges.tolist()), scene.box.periodic), scene.particles.id, scene.particles.radii, *rest)
+        Frame(int(output), rows[int(output)][0], Box(tuple(edges.tolist()), scene.box.periodic), *same, *rest)
         for output, edges, *rest in own
     ]
     return work, Log(rows, frames, counts)

@@ -1,8 +1,8 @@
 """How large a step may be: leap-frog diverges beyond 2/omega_max, and the stiffness that counts is that of unloading.
 
 The highest eigenfrequency of spheres on contact springs obeys omega^2 <= 2 z k/m (Gershgorin: k the stiffest contact, z contacts on the
-lightest sphere m; exact for a pair with z = 1). So the critical step is sqrt(2 m/(z k)), with k the bound that the law itself gives over all
-histories up to the largest overlap that the scene can reach.
+lightest sphere m; exact for a pair with z = 1). So the critical step is sqrt(2 m/(z k)), with k the bound that the law itself gives over
+all histories up to the largest overlap that the scene can reach.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +12,9 @@ import numpy.typing as npt
 
 from dem.measure import Energies
 from dem.record import COLUMNS, Frame
+from dem.requirements import QUASI_STATIC
 from dem.scene import Scene
+from dem.timestep import time_step
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -19,6 +22,8 @@ FloatArray = npt.NDArray[np.float64]
 BALANCE = 1e-3
 #: kinetic over stored energy at the highest pressure, beyond which a loading is not slow
 SLOW = 0.01
+#: time step over the critical one beyond which leap-frog is no longer accurate
+CAREFUL = 0.5
 
 
 @dataclass(frozen=True)
@@ -57,13 +62,15 @@ def trajectory(
 ) -> Trajectory:
     """The record made of the rows of a run (see record.COLUMNS), with the warnings that only its end can give."""
     column = dict(zip(COLUMNS, np.array(rows).T, strict=True))
-    energies = Energies(column["kinetic"], column["stored"], column["dissipated"], column["boundary work"])
+    energies = Energies(column["kinetic"], column["stored"], column["dissipated"], column["damped"], column["boundary work"])
     stress = np.stack([column[f"stress {a}{b}"] for a in "xyz" for b in "xyz"], axis=-1).reshape(-1, 3, 3)
     top = int(np.argmax(energies.stored))
     summary = {
         "energy_balance": float(np.abs(energies.balance).max()),
         "kinetic_over_stored_at_peak": float(energies.kinetic[top] / energies.stored[top]) if energies.stored[top] > 0.0 else None,
         "largest_overlap": float(column["largest overlap"].max()),
+        "inertial_number_at_peak": _inertial_number_at(top, scene, column),
+        "time_step_over_critical_at_largest_overlap": _step_over_critical(scene, float(column["largest overlap"].max()), statistics["dt"]),
     }
     late = _late_warnings(scene, column, summary, statistics)
     return Trajectory(
@@ -84,16 +91,39 @@ def trajectory(
     )
 
 
+def _inertial_number_at(output: int, scene: Scene, column: dict[str, FloatArray]) -> float | None:
+    """Strain rate times d sqrt(rho/p) with the pressure there; None without motion or pressure."""
+    if output == 0:
+        return None
+    steps = [column[name][output] - column[name][output - 1] for name in ("time", "strain x", "strain y", "strain z")]
+    rate = max(abs(step) for step in steps[1:]) / steps[0]
+    pressure = sum(column[f"stress {axis}{axis}"][output] for axis in "xyz") / 3.0
+    if rate == 0.0 or pressure <= 0.0:
+        return None
+    bodies = scene.particles
+    return rate * 2.0 * float(bodies.radii.mean()) * math.sqrt(float(bodies.mass.sum()) / bodies.solid_volume / pressure)
+
+
+def _step_over_critical(scene: Scene, relative_overlap: float, steps: list[float]) -> float:
+    """The largest time step over the critical one of a scene whose deepest contact was this deep (one body, over its radius)."""
+    if not scene.particles.count or relative_overlap == 0.0:
+        return 0.0
+    overlap = 2.0 * relative_overlap * float(scene.particles.radii.max())
+    return max(steps) / time_step(scene.contact.normal, scene.particles, overlap, 1.0).critical
+
+
 def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[str, Any], statistics: dict[str, Any]) -> Iterator[str]:
-    limit, most = scene.contact.fitted_overlap, int(column["contacts beyond"].max())
-    if limit is not None and summary["largest_overlap"] > limit:
-        deepest = summary["largest_overlap"]
+    limit, deepest = scene.contact.fitted_overlap, summary["largest_overlap"]
+    if limit is not None and deepest > limit:
+        most = int(column["contacts beyond"].max())
         yield f"overlap left the range the law was fitted for: up to {most} contacts at an output, largest D = {deepest:.4g} > {limit:.4g}"
-    reckoned = statistics["overlap_reckoned_with"] / (2.0 * float(np.max(scene.particles.radii, initial=1e-300)))
-    if scene.particles.count and summary["largest_overlap"] > reckoned:
-        yield f"contacts got deeper (D = {summary['largest_overlap']:.4g}) than the time step reckoned with ({reckoned:.4g}): it is not on the safe side"
+    if summary["time_step_over_critical_at_largest_overlap"] > CAREFUL:
+        yield f"contacts got deeper than expected (D = {deepest:.4g}): the time step is no longer small, take a smaller time_step_fraction"
     if summary["energy_balance"] > BALANCE:
         yield f"the energy balance closes to {summary['energy_balance']:.2g} only: take a smaller time_step_fraction"
-    ratio = summary["kinetic_over_stored_at_peak"]
-    if ratio is not None and ratio > SLOW and np.ptp(column["strain x"] + column["strain y"] + column["strain z"]) > 0.0:
-        yield f"kinetic energy is {ratio:.2g} of the stored one at the peak: take a smaller inertial_number for a quasi-static answer"
+    if any(stage.duration is None for stage in scene.programme):
+        ratio, number = summary["kinetic_over_stored_at_peak"], summary["inertial_number_at_peak"]
+        if ratio is not None and ratio > SLOW:
+            yield f"kinetic energy is {ratio:.2g} of the stored one at the peak: take a smaller inertial_number for a quasi-static answer"
+        if number is not None and number > QUASI_STATIC:
+            yield f"inertial number {number:.2g} > {QUASI_STATIC:g} with the pressure that was reached: inertia shows in the stress"
