@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws.curve import Curve
-from contactlaws.path import Scan, scan
+from contactlaws.path import Trace, scan, trace
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -42,14 +42,14 @@ class Measures(NamedTuple):
     energy: float | None  # root mean square over unloadings of the relative difference of the energy given back
 
 
-def follow(law: object, curve: Curve, branch: int) -> Scan:
+def follow(law: object, curve: Curve, branch: int) -> Trace:
     """The law along one branch of a curve, brought there along the loading; rows of the branch only."""
     rows = curve.rows(branch)
     path, time = curve.overlap[rows], curve.time[rows]
     before = (curve.branch == 0) & (curve.overlap < path[0]) if branch else np.zeros(curve.branch.size, dtype=bool)
     path, time = np.concatenate((curve.overlap[before], path)), np.concatenate((curve.time[before], time))
-    whole = scan(law, path, time if np.all(np.diff(time) >= 0.0) else None)
-    return Scan(*(column[np.count_nonzero(before) :] for column in whole))
+    whole = trace(law, path, time if np.all(np.diff(time) >= 0.0) else None)
+    return Trace(*(column[np.count_nonzero(before) :] for column in whole))
 
 
 def blocks(curves: Sequence[Curve], weights: Mapping[str, float]) -> list[Block]:
@@ -91,7 +91,7 @@ def _shares(coordinate: FloatArray) -> FloatArray:
 
 def residual_vector(law: object, curves: Sequence[Curve], parts: Sequence[Block]) -> FloatArray:
     """Differences in units of the estimated error; squares sum to (number of blocks) where law and curves differ by that error everywhere."""
-    followed: dict[tuple[int, int], Scan] = {}
+    followed: dict[tuple[int, int], Trace] = {}
     rows = []
     for part in parts:
         key = (part.curve, part.branch)
@@ -120,7 +120,7 @@ def error_product(parts: Sequence[Block], jacobian: FloatArray) -> FloatArray:
     return product + 0.5 * sum(np.outer(total, total) for total in common.values())
 
 
-def _predicted(part: Block, found: Scan) -> FloatArray:
+def _predicted(part: Block, found: Trace) -> FloatArray:
     column = found.contact_radius if part.quantity == "contact_radius" else found.force
     if part.branch == 0:
         return column
@@ -163,7 +163,7 @@ def _unloading_differences(law: object, curve: Curve, branch: int) -> tuple[floa
         (largest - overlap[-1]) / (largest - separation) - 1.0,
         (separation - float(overlap[-1])) / largest,
         float(np.sqrt(np.sum(_shares(-overlap) * difference**2))),
-        float(found.stored_energy[0]) / given_back - 1.0,
+        float(scan(law, overlap[:1]).stored_energy[0]) / given_back - 1.0,
     )
 
 
@@ -172,6 +172,6 @@ def separation_overlap(law: object, largest: float) -> float:
     low, high = 0.0, largest
     for _ in range(60):
         middle = 0.5 * (low + high)
-        force = scan(law, [largest, middle]).force
+        force = trace(law, [largest, middle]).force
         low, high = (low, middle) if force[1] > 1e-9 * force[0] else (middle, high)
     return high

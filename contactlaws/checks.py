@@ -16,7 +16,7 @@ import numpy.typing as npt
 from contactlaws import dispatch, pair
 from contactlaws.compiled import for_law
 from contactlaws.errors import InputError, Problem
-from contactlaws.path import Scan, scan
+from contactlaws.path import Scan, scan, trace
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def travel(law: Any, turns: npt.ArrayLike) -> Trip:
     for _ in range(24):
         finer = np.empty(2 * path.size - 1)
         finer[::2], finer[1::2] = path, 0.5 * (path[1:] + path[:-1])
-        force = _timed(law, finer).force
+        force = trace(law, finer, _times(law, finer)).force
         steps = np.diff(path)
         error = abs(steps * (0.5 * (force[:-2:2] + force[2::2]) - force[1::2]))
         work = np.sum(abs(steps) * force[1::2])
@@ -97,14 +97,14 @@ def travel(law: Any, turns: npt.ArrayLike) -> Trip:
         keep = np.ones(finer.size, dtype=bool)
         keep[1::2] = error > 0.1 * INTEGRATION * work / error.size
         path = finer[keep]
-    found = _timed(law, finer)
+    found = scan(law, finer, _times(law, finer))
     steps = np.diff(finer)
     return Trip(finer, found, np.concatenate(([0.0], np.cumsum(0.5 * steps * (found.force[1:] + found.force[:-1])))))
 
 
-def _timed(law: Any, path: FloatArray) -> Scan:
+def _times(law: Any, path: FloatArray) -> FloatArray:
     """At constant speed, so that rows put in do not change the rates."""
-    return scan(law, path, np.concatenate(([0.0], np.cumsum(abs(np.diff(path))))) / law.radius)
+    return np.concatenate(([0.0], np.cumsum(abs(np.diff(path))))) / law.radius
 
 
 def _finding(name: str, worst: float, bound: float, meaning: str) -> Finding:
@@ -116,7 +116,7 @@ def _largest(values: Iterator[Any]) -> float:
 
 
 def _no_force_without_overlap(law: Any, max_overlap: float) -> Finding:
-    found = scan(law, np.array([0.0, -0.5, -1e-9, 1e-9, 1.0, 0.0, -1e-3]) * max_overlap)
+    found = trace(law, np.array([0.0, -0.5, -1e-9, 1e-9, 1.0, 0.0, -1e-3]) * max_overlap)
     open_rows = [0, 1, 2, 5, 6]
     worst = max(abs(found.force[open_rows]).max() / found.force[4], found.force[3] / found.force[4] / 1e-6)
     forgets = not found.states.size or not found.states[open_rows].any()
@@ -140,7 +140,7 @@ def _no_tension(trips: list[Trip]) -> Finding:
 def _loading_is_continuous(law: Any, max_overlap: float) -> Finding:
     """Jumps hide between rows: halve the intervals of steepest rise until only a jump can be left."""
     path = np.geomspace(1e-6, 1.0, 2001) * max_overlap
-    rise = np.diff(np.log(np.maximum(scan(law, path).force, 1e-300)))
+    rise = np.diff(np.log(np.maximum(trace(law, path).force, 1e-300)))
     worst = 0.0
     for i in np.argsort(-abs(rise))[:10]:
         low, high = path[i], path[i + 1]
@@ -148,9 +148,9 @@ def _loading_is_continuous(law: Any, max_overlap: float) -> Finding:
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 break
-            below, at, above = scan(law, np.array([low, middle, high])).force
+            below, at, above = trace(law, np.array([low, middle, high])).force
             low, high = (low, middle) if abs(at - below) > abs(above - at) else (middle, high)
-        below, above = scan(law, np.array([low, high])).force
+        below, above = trace(law, np.array([low, high])).force
         worst = max(worst, abs(above - below) / max(abs(above), 1e-300))
     return _finding("loading is continuous", worst, 1e-9, "largest relative jump of the force, at yield or elsewhere")
 
@@ -159,7 +159,7 @@ def _unloading_starts_on_the_loading(law: Any, max_overlap: float) -> Finding:
     worst = 0.0
     for top in np.geomspace(1e-4, 1.0, 25) * max_overlap:
         step = 1e-9 * top
-        at, after = scan(law, np.array([top, top - step])).force
+        at, after = trace(law, np.array([top, top - step])).force
         worst = max(worst, (at - after) / (dispatch.stiffness_bound(law, top) * step + 1e-14 * at), (after - at) / at / 1e-14)
     return _finding("unloading starts on the loading", worst, 1.0 + 1e-4, "drop of the force over what the stiffness bound allows")
 
@@ -167,8 +167,8 @@ def _unloading_starts_on_the_loading(law: Any, max_overlap: float) -> Finding:
 def _reloading_returns_to_the_loading(law: Any, max_overlap: float) -> Finding:
     worst = 0.0
     for top in np.geomspace(1e-4, 0.8, 25) * max_overlap:
-        virgin = scan(law, np.array([top, 1.2 * top])).force
-        again = scan(law, np.array([top, 0.99 * top, 0.5 * top, 0.995 * top, top, 1.2 * top])).force[-2:]
+        virgin = trace(law, np.array([top, 1.2 * top])).force
+        again = trace(law, np.array([top, 0.99 * top, 0.5 * top, 0.995 * top, top, 1.2 * top])).force[-2:]
         worst = max(worst, np.max(abs(again / virgin - 1.0)))
     return _finding("reloading returns to the loading", worst, 1e-12, "relative difference of the force, at and beyond the overlap of unloading")
 

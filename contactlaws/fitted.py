@@ -17,7 +17,7 @@ from contactlaws import dispatch
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import read_text, write_text
 from contactlaws.material import Material, problems_with
-from contactlaws.path import scan
+from contactlaws.path import trace
 from contactlaws.version import code_version
 
 FORMAT = "fe2dem fitted law 1"
@@ -198,6 +198,6 @@ def _problems(fitted: FittedLaw) -> Iterator[Problem]:
     for name, value in fitted.standard_errors.items():
         if name not in law._fields or (value is not None and not (math.isfinite(value) and value >= 0.0)):
             yield Problem(f"standard_errors[{name}]", value, f"must be a positive number for one of {', '.join(law._fields)}", "drop it")
-    forces = scan(law, fitted.max_overlap * np.array([0.01, 0.1, 0.5, 1.0])).force
+    forces = trace(law, fitted.max_overlap * np.array([0.01, 0.1, 0.5, 1.0])).force
     if not (np.isfinite(forces).all() and (forces >= 0.0).all() and forces[-1] > 0.0):
         yield Problem(f"law {fitted.name}", forces.tolist(), "must push, with a finite force, within its range", "check moduli and other parameters")

@@ -24,47 +24,76 @@ class Scan(NamedTuple):
     states: FloatArray  # shape (rows, floats of state)
 
 
+class Trace(NamedTuple):
+    """The part of `Scan` that costs nothing beyond the force."""
+
+    force: FloatArray  # N
+    contact_radius: FloatArray  # m
+    states: FloatArray  # shape (rows, floats of state)
+
+
 @kernel
-def _scan(law, overlap, time, memory):  # type: ignore[no-untyped-def]
-    """Long for a kernel because it keeps the account of what a contact had dissipated when it opened and forgot its history."""
+def _trace(law, overlap, time, memory):  # type: ignore[no-untyped-def]
     size = overlap.size
     force = np.empty(size)
     radius = np.empty(size)
-    stored = np.empty(size)
-    dissipated = np.empty(size)
     states = np.empty((size, memory.shape[1]))
     state = dispatch.load_state(law, memory, 0)
-    before = dispatch.energy(law, overlap[0], state)[1]
-    closed = -before
     for i in range(size):
         dt = time[i] - time[i - 1] if i > 0 else 0.0
         rate = (overlap[i] - overlap[i - 1]) / dt if dt > 0.0 else 0.0
         force[i], state = dispatch.normal_force(law, overlap[i], rate, dt, state)
         radius[i] = dispatch.contact_radius(law, overlap[i], state)
-        stored[i], now = dispatch.energy(law, overlap[i], state)
+        dispatch.store_state(law, states, i, state)
+    return force, radius, states
+
+
+@kernel
+def _energies(law, overlap, states, memory):  # type: ignore[no-untyped-def]
+    """Stored and dissipated energy; what a contact had dissipated when it opened, and forgot its history, stays in the account."""
+    stored = np.empty(overlap.size)
+    dissipated = np.empty(overlap.size)
+    before = dispatch.energy(law, 0.0, dispatch.load_state(law, memory, 0))[1]
+    closed = -before
+    for i in range(overlap.size):
+        stored[i], now = dispatch.energy(law, overlap[i], dispatch.load_state(law, states, i))
         if overlap[i] <= 0.0:
             closed += before - now
         before = now
         dissipated[i] = closed + now
-        dispatch.store_state(law, states, i, state)
-    return force, radius, stored, dissipated, states
+    return stored, dissipated
+
+
+def trace(law: object, overlap: npt.ArrayLike, time: npt.ArrayLike | None = None, state: tuple[float, ...] | None = None) -> Trace:
+    """Follow `law` along `overlap` (m), at `time` (s; one second a row if None), from `state` (never touched if None).
+
+    Raises `InputError` for a path that is empty or not finite, times that decrease, or a state of the wrong length.
+    """
+    path, times, memory = _prepared(law, overlap, time, state)
+    return Trace(*for_law(_trace, law)(law, path, times, memory))
 
 
 def scan(law: object, overlap: npt.ArrayLike, time: npt.ArrayLike | None = None, state: tuple[float, ...] | None = None) -> Scan:
-    """Follow `law` along `overlap` (m), at `time` (s; one second a row if None), from `state` (never touched if None).
-
-    Raises `InputError` for a path that is empty or not finite, times that do not increase, or a state of the wrong length.
+    """`trace` with the energies.
 
     >>> from contactlaws.elastic import Hertz
     >>> scan(Hertz(1.0, 0.75), [0.0, 0.01, 0.04]).force.tolist()
     [0.0, 0.001, 0.008]
     """
-    path = np.ascontiguousarray(overlap, dtype=np.float64)
-    times = np.arange(path.size, dtype=np.float64) if time is None else np.ascontiguousarray(time, dtype=np.float64)
+    path, times, memory = _prepared(law, overlap, time, state)
+    force, radius, states = for_law(_trace, law)(law, path, times, memory)
+    return Scan(force, radius, *for_law(_energies, law)(law, path, states, memory), states)
+
+
+def _prepared(
+    law: object, overlap: npt.ArrayLike, time: npt.ArrayLike | None, state: tuple[float, ...] | None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Arrays of one type and layout, so that each law is compiled once."""
+    path = np.array(overlap, dtype=np.float64)
+    times = np.arange(path.size, dtype=np.float64) if time is None else np.array(time, dtype=np.float64)
     initial = dispatch.initial_state(law) if state is None else state
     _require_path(path, times, initial, len(dispatch.law_of(law).memory))
-    memory = np.array(initial, dtype=np.float64).reshape(1, -1)
-    return Scan(*for_law(_scan, law)(law, path.copy(), times.copy(), memory))
+    return path, times, np.array(initial, dtype=np.float64).reshape(1, -1)
 
 
 def _require_path(path: FloatArray, times: FloatArray, state: tuple[float, ...], floats: int) -> None:
