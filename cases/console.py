@@ -109,7 +109,9 @@ def number(value: object, digits: int = 4) -> str:
 
 def percent(value: float | None) -> str:
     """A relative error."""
-    return "–" if value is None else f"{100 * value:.2g} %"
+    if value is None:
+        return "–"
+    return "< 0.01 %" if value < 1e-4 else f"{100 * value:.2g} %"
 
 
 def show_curve(curve: Any, path: Path) -> None:

@@ -28,6 +28,7 @@ UNITS = {
     "kinetic": "J",
     "stored": "J",
     "dissipated": "J",
+    "damped": "J",
     "boundary_work": "J",
     "balance": "1",
 }
@@ -38,7 +39,9 @@ def columns(trajectory: Any) -> dict[str, npt.NDArray[Any]]:
     found = {name: getattr(trajectory, name) for name in UNITS if hasattr(trajectory, name)}
     found |= {f"strain_{axis}": trajectory.strain[:, i] for i, axis in enumerate("xyz")}
     found |= {f"stress_{axis}{axis}": trajectory.stress[:, i, i] for i, axis in enumerate("xyz")}
-    found |= {name: getattr(trajectory.energies, name) for name in ("kinetic", "stored", "dissipated", "boundary_work", "balance")}
+    found |= {
+        name: getattr(trajectory.energies, name) for name in ("kinetic", "stored", "dissipated", "damped", "boundary_work", "balance")
+    }
     return {name: np.asarray(found[name]) for name in UNITS}
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import matplotlib
 import numpy as np
@@ -19,6 +20,9 @@ from calibration.residuals import follow
 from cases.closed_forms import thornton_restitution, yield_speed
 from contactlaws.curve import Curve
 from contactlaws.elastoplastic import Thornton
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 #: black for the continuum, then colours that stay apart for every kind of colour vision (Okabe & Ito)
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -41,24 +45,34 @@ STYLE: Any = {
 }
 
 
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """Everything that `draw` makes is in this project's style, whatever the caller's settings are."""
+
+    @functools.wraps(draw)
+    def drawn(*arguments: P.args, **options: P.kwargs) -> R:
+        with matplotlib.rc_context(STYLE):
+            return draw(*arguments, **options)
+
+    return drawn
+
+
+@styled
 def svg(figure: Figure) -> str:
     """The figure as SVG text without XML head, to stand in an HTML page."""
     text = io.StringIO()
-    with matplotlib.rc_context(STYLE):
-        figure.savefig(text, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None})
+    figure.savefig(text, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None})
     return text.getvalue()[text.getvalue().index("<svg") :]
 
 
+@styled
 def png(figure: Figure, path: Path) -> None:
     """The figure as a PNG file."""
-    with matplotlib.rc_context(STYLE):
-        figure.savefig(path, format="png", bbox_inches="tight", metadata={"Software": None})
+    figure.savefig(path, format="png", bbox_inches="tight", metadata={"Software": None})
 
 
 def _figure(width: float, height: float, *shape: int, **settings: Any) -> tuple[Figure, Any]:
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        return figure, figure.subplots(*shape, **settings)
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, figure.subplots(*shape, **settings)
 
 
 def stress_scale(curve: Curve) -> tuple[float, str]:
@@ -69,7 +83,8 @@ def stress_scale(curve: Curve) -> tuple[float, str]:
     return (material.youngs_modulus, "E") if material is not None else (1.0, r"1\,\mathrm{Pa}")
 
 
-def curve_against_laws(curve: Curve, laws: Mapping[str, Any]) -> Figure:
+@styled
+def curve_against_laws(curve: Curve, laws: Mapping[str, Any], colours: Mapping[str, str]) -> Figure:
     """Force and contact radius of one curve with the laws followed along it, and below each what is left between them."""
     figure, axes = _figure(9.2, 4.9, 2, 2, sharex=True, gridspec_kw={"height_ratios": [2.6, 1]})
     scale, symbol = stress_scale(curve)
@@ -81,7 +96,7 @@ def curve_against_laws(curve: Curve, laws: Mapping[str, Any]) -> Figure:
         axes[0, 1].set_visible(False)
         axes[1, 1].set_visible(False)
     for (name, unit, label), (top, bottom) in zip(columns, axes.T, strict=False):
-        _compare(curve, laws, name, unit, top, bottom)
+        _compare(curve, laws, colours, name, unit, top, bottom)
         top.set_ylabel(label)
         top.set_ylim(bottom=0)
         bottom.set_ylabel("law − FE\n(% of largest)")
@@ -91,7 +106,7 @@ def curve_against_laws(curve: Curve, laws: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _compare(curve: Curve, laws: Mapping[str, Any], name: str, unit: float, top: Axes, bottom: Axes) -> None:
+def _compare(curve: Curve, laws: Mapping[str, Any], colours: Mapping[str, str], name: str, unit: float, top: Axes, bottom: Axes) -> None:
     values = np.asarray(getattr(curve, name)) / unit
     largest = float(values.max())
     bottom.axhspan(-100 * curve.errors.get(name, 0.0), 100 * curve.errors.get(name, 0.0), color=GREY, alpha=0.25, lw=0)
@@ -102,7 +117,8 @@ def _compare(curve: Curve, laws: Mapping[str, Any], name: str, unit: float, top:
         top.plot(
             x, values[rows], color="black", lw=2.6, alpha=0.28, solid_capstyle="butt", label="finite elements" if branch == 0 else None
         )
-        for (law_name, law), colour in zip(laws.items(), COLOURS, strict=False):
+        for law_name, law in laws.items():
+            colour = colours[law_name]
             law_values = getattr(follow(law, curve, branch), name) / unit
             top.plot(x, law_values, color=colour, lw=1.0, label=law_name if branch == 0 else None)
             bottom.plot(x, 100 * (law_values - values[rows]) / largest, color=colour, lw=1.0)
@@ -133,6 +149,7 @@ def fields_in(folder: Path, prefix: str) -> list[Field]:
     return sorted((Field(path) for path in folder.glob(f"{prefix}_D*.vtu")), key=lambda field: field.depth)
 
 
+@styled
 def pressure_profiles(fields: Sequence[Field], stress: float, symbol: str) -> Figure:
     """Contact pressure over the distance from the axis, both over what the state itself gives: its radius, and Y or E."""
     figure, axis = _figure(4.4, 3.2)
@@ -151,7 +168,8 @@ def _shades(count: int) -> list[Any]:
     return [matplotlib.colormaps["viridis"](value) for value in np.linspace(0.15, 0.8, max(count, 1))[:count]]
 
 
-def section(field: Field, radius: float, yield_stress: float, left: float = 1.0) -> Figure:
+@styled
+def section(field: Field, radius: float, yield_stress: float) -> Figure:
     """The deformed meridian section: von Mises stress on the left, plastic strain on the right of the axis; the flat lies on top."""
     figure, axis = _figure(5.6, 3.4)
     draw_section(figure, axis, field, radius, yield_stress)
@@ -165,9 +183,17 @@ def draw_section(figure: Figure, axis: Axes, field: Field, radius: float, yield_
     shape = field.polygons / radius
     halves = (
         (shape * [-1, 1], stress, "cividis", Normalize(0, 1), "von Mises stress $/Y$", "left"),
-        (shape, strain, "magma_r", Normalize(0, _round_up(strain.max())), "plastic strain", "right"),
+        (
+            shape,
+            np.ma.masked_less_equal(strain, 0.0),
+            "YlOrRd",
+            Normalize(0, _round_up(strain.max())),
+            "plastic strain (grey: elastic)",
+            "right",
+        ),
     )
     for polygons, values, colours, norm, label, side in halves:
+        axis.add_collection(PolyCollection(polygons, facecolors="#dcdcdc", edgecolors="face", linewidths=0.1, rasterized=True))
         cells = PolyCollection(polygons, array=values, cmap=colours, norm=norm, edgecolors="face", linewidths=0.1, rasterized=True)
         axis.add_collection(cells)
         figure.colorbar(cells, ax=axis, location=side, shrink=0.75, aspect=22, pad=0.02, label=label)
@@ -187,7 +213,10 @@ def _round_up(value: float) -> float:
     return math.ceil(value / digit) * digit
 
 
-def restitution(tables: Mapping[str, Mapping[str, Any]], thornton: Thornton | None, density: float, radius: float) -> Figure:
+@styled
+def restitution(
+    tables: Mapping[str, Mapping[str, Any]], thornton: Thornton | None, density: float, radius: float, colours: Mapping[str, str]
+) -> Figure:
     """Coefficient of restitution against speed, with Thornton's closed form for the yield speed of his law beside it."""
     figure, axis = _figure(5.2, 3.2)
     speeds = np.concatenate([np.asarray(table["speed"], dtype=float) for table in tables.values()])
@@ -198,23 +227,24 @@ def restitution(tables: Mapping[str, Mapping[str, Any]], thornton: Thornton | No
         axis.plot(line, closed, color="black", lw=2.6, alpha=0.28, label="Thornton 1997, closed form")
         axis.axvline(slowest, color=GREY, lw=0.7, ls=":")
         axis.annotate("first yield", (slowest, 0.02), xycoords=("data", "axes fraction"), rotation=90, fontsize=7, color=GREY, ha="right")
-    for (name, table), colour in zip(tables.items(), COLOURS, strict=False):
-        axis.plot(table["speed"], table["restitution"], "o-", color=colour, ms=3.5, lw=1.0, label=name)
+    for name, table in tables.items():
+        axis.plot(table["speed"], table["restitution"], "o-", color=colours[name], ms=3.5, lw=1.0, label=name)
     axis.set(xscale="log", xlabel="closing speed (m/s)", ylabel="coefficient of restitution $e$", ylim=(0, 1.03))
     axis.legend(loc="lower left")
     return figure
 
 
-def stress_strain(histories: Mapping[str, Mapping[str, Any]]) -> Figure:
+@styled
+def stress_strain(histories: Mapping[str, Mapping[str, Any]], colours: Mapping[str, str]) -> Figure:
     """Axial stress and coordination number over axial strain; the way back is thinner."""
     figure, axes = _figure(9.2, 3.2, 1, 2)
-    for (name, values), colour in zip(histories.items(), COLOURS, strict=False):
+    for name, values in histories.items():
         turn = int(np.argmax(values["strain_z"]))
         for part, width in ((slice(0, turn + 1), 1.6), (slice(turn, None), 0.8)):
             strain = 100 * values["strain_z"][part]
             label = name if part.start == 0 else None
-            axes[0].plot(strain, values["stress_zz"][part] / 1e6, color=colour, lw=width, label=label)
-            axes[1].plot(strain, values["coordination_number"][part], color=colour, lw=width)
+            axes[0].plot(strain, values["stress_zz"][part] / 1e6, color=colours[name], lw=width, label=label)
+            axes[1].plot(strain, values["coordination_number"][part], color=colours[name], lw=width)
     axes[0].set(xlabel="axial strain (%)", ylabel="axial stress (MPa)")
     axes[1].set(xlabel="axial strain (%)", ylabel="coordination number")
     for axis in axes:
@@ -224,14 +254,16 @@ def stress_strain(histories: Mapping[str, Mapping[str, Any]]) -> Figure:
     return figure
 
 
+@styled
 def energies(values: Mapping[str, Any]) -> Figure:
-    """Where the work of the boundary went: stored, dissipated, kinetic; the line is the work itself."""
+    """Where the work of the boundary went: dissipated in contacts, damped, stored, kinetic; the line is the work itself."""
     figure, axis = _figure(4.4, 3.0)
     unit, word = _energy_unit(float(np.max(np.abs(values["boundary_work"]))))
     time = np.asarray(values["time"]) / max(float(values["time"][-1]), 1e-300)
     start = values["stored"][0] + values["dissipated"][0] + values["kinetic"][0]
-    parts = [np.asarray(values[name]) / unit for name in ("dissipated", "stored", "kinetic")]
-    axis.stackplot(time, parts, labels=("dissipated", "stored", "kinetic"), colors=("#d9b48f", "#9db9d3", "#b9cfb0"), lw=0)
+    names = ("dissipated", "damped", "stored", "kinetic")
+    parts = [np.asarray(values[name]) / unit for name in names]
+    axis.stackplot(time, parts, labels=names, colors=("#d9a066", "#e6cfa8", "#9db9d3", "#b9cfb0"), lw=0)
     axis.plot(time, (np.asarray(values["boundary_work"]) + start) / unit, color="black", lw=1.0, ls="--", label="work of the boundary")
     axis.set(xlabel="time over duration", ylabel=f"energy ({word})", xlim=(0, 1))
     axis.set_ylim(bottom=0)

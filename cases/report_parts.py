@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from cases.store import Record
 from contactlaws import fitted
 from contactlaws.curve import Curve
 from contactlaws.curve_files import read_curve
+from contactlaws.dispatch import law_of
 from contactlaws.elastoplastic import Thornton
 from contactlaws.fitted import FittedLaw
 
@@ -55,23 +57,35 @@ def _curves(listed: Mapping[str, Any], there: There, curves: Mapping[str, Curve]
         return
     yield text(
         "One body pressed by its mid-plane against a rigid frictionless flat, by finite elements at finite strain; overlap δ is the "
-        "approach of this one body. The estimated errors are those of mesh and steps, from the solver's own error model."
+        "approach of this one body. The last five columns are estimated errors of mesh and steps, by the solver's own error model."
     )
     names = ("force", "contact_radius", "unloading_stiffness", "unloading_exponent", "recovered_energy")
-    header = ("curve", "material", "R (µm)", "unloadings", "first yield δ/R", *(f"error {name.replace('_', ' ')}" for name in names))
+    header = ("curve", "material", "R (µm)", "unloadings", "first yield δ/R", *(name.replace("_", " ") for name in names))
     rows = []
     for task, curve in curves.items():
         errors = [number(curve.errors.get(name), 2) if name == "unloading_exponent" else percent(curve.errors.get(name)) for name in names]
         onset = None if curve.yield_overlap is None else curve.yield_overlap / curve.radius
         rows.append((there[task].name, _material(curve), f"{curve.radius * 1e6:g}", str(len(curve.unloadings)), number(onset, 3), *errors))
     yield table(header, rows)
+    colours = _colours(there[fit].name for fit in laws)
     for task, curve in curves.items():
-        users = {there[fit].name: law.law for fit, law in laws.items() if task in listed[fit]["needs"]}
+        users = {there[fit].name: law.law for fit, law in laws.items() if task in listed[fit]["needs"] and _meant_for(law.law, curve)}
         caption = (
             f"Curve “{there[task].name}” ({curve.content_hash}, {there[task].code}) against the laws fitted to it; unloadings run to "
             "separation. Grey band: the curve's own estimated error."
         )
-        yield figures((plots.curve_against_laws(curve, users), caption))
+        yield figures((plots.curve_against_laws(curve, users, colours), caption))
+
+
+def _meant_for(law: Any, curve: Curve) -> bool:
+    """An elastic curve tells a plastic law only how it begins."""
+    elastic = curve.material is not None and curve.material.yield_stress is None
+    return not (elastic and law_of(law).memory)
+
+
+def _colours(names: Iterable[str]) -> dict[str, str]:
+    """One colour for each name, the same in all pictures of its kind."""
+    return dict(zip(names, itertools.cycle(plots.COLOURS), strict=False))
 
 
 def _material(curve: Curve) -> str:
@@ -121,18 +135,17 @@ def _laws(folder: Path, there: There, laws: Mapping[str, FittedLaw]) -> Iterator
         "1/(δ_max − δ_0), residual overlap, force along the unloadings, and energy given back. table.csv and table.parquet hold the same."
     )
     yield table(header, body)
-    yield table(("fit", "parameter", "value", "standard error"), list(_parameters(there, laws)))
+    yield table(("fit", "fitted parameter (SI)", "value", "standard error"), list(_parameters(there, laws)))
     for task in laws:
-        for warning in there[task].summary["warnings"]:
-            yield text(f"{there[task].name}: {warning}.", note=True)
+        if there[task].summary["warnings"]:
+            yield text(f"{there[task].name}: {'; '.join(there[task].summary['warnings'])}.", note=True)
 
 
 def _parameters(there: There, laws: Mapping[str, FittedLaw]) -> Iterator[tuple[str, ...]]:
     for task, law in laws.items():
         for name, value in zip(law.law._fields, law.law, strict=True):
-            if not hasattr(value, "shape"):  # a table's rows are no parameters
-                error = number(law.standard_errors[name], 2) if name in law.standard_errors else "given"
-                yield there[task].name, name.replace("_", " "), number(float(value), 6), error
+            if name in law.standard_errors:
+                yield there[task].name, name.replace("_", " "), number(float(value), 6), number(law.standard_errors[name], 2)
 
 
 def _impacts(listed: Mapping[str, Any], there: There, laws: Mapping[str, FittedLaw]) -> Iterator[Block]:
@@ -151,7 +164,7 @@ def _impacts(listed: Mapping[str, Any], there: There, laws: Mapping[str, FittedL
             *(values[key] for key in ("speed", "restitution", "contact_time", "largest_overlap")), strict=True
         ):
             rows.append((name, number(speed, 4), f"{e:.5f}", number(duration * 1e9, 4), number(overlap / first["radius"] / 2, 3)))
-    yield figures((plots.restitution(tables, thornton, first["density"], first["radius"]), caption))
+    yield figures((plots.restitution(tables, thornton, first["density"], first["radius"], _colours(tables)), caption))
     yield table(("impact", "speed (m/s)", "restitution", "contact time (ns)", "largest δ/R of one body"), rows)
     for record in impacts.values():
         for warning in record.summary.get("warnings", ()):
@@ -165,7 +178,9 @@ def _scenes(folder: Path, listed: Mapping[str, Any], there: There, laws: Mapping
     histories = {name: history.read(folder / record.files["history"]) for name, record in scenes.items()}
     made_with = {name: [*listed[record.task]["given"], *listed[record.task]["needs"]] for name, record in scenes.items()}
     caption = "; ".join(f"“{name}” on {made_with[name][0].removeprefix('fits.')}" for name in scenes)
-    yield figures((plots.stress_strain(histories), f"Axial stress against axial strain, compression and release: {caption}."))
+    yield figures(
+        (plots.stress_strain(histories, _colours(histories)), f"Axial stress against axial strain, compression and release: {caption}.")
+    )
     yield figures(*((plots.energies(values), f"Energy balance of “{name}”; {scenes[name].code}.") for name, values in histories.items()))
     rows = []
     for name, values in histories.items():

@@ -20,9 +20,9 @@ Length = Annotated[float, in_unit("m"), _positive]
 Density = Annotated[float, in_unit("kg/m^3"), _positive]
 Speed = Annotated[float, in_unit("m/s"), _positive]
 Rate = Annotated[float, in_unit("1/s"), _positive]
-Ratio = Annotated[float, in_unit(""), _positive]
-#: overlap over radius; the mesh carries a body to half its radius
-Depth = Annotated[float, in_unit(""), Field(gt=0, le=0.5, allow_inf_nan=False)]
+#: overlap over radius; the body ends at 1, and runs to 0.5 are verified
+Depth = Annotated[float, in_unit(""), Field(gt=0, lt=1, allow_inf_nan=False)]
+Aspect = Annotated[float, in_unit(""), Field(ge=0.1, le=10, allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
 
 
@@ -45,12 +45,14 @@ class Body(Record):
     """What is pressed, how far, and how exactly."""
 
     radius: Length = Field(description="half the height of the body, such as '5 um'")
-    aspect: Ratio = Field(1.0, description="equatorial semi-axis over radius; 1 is a sphere")
+    aspect: Aspect = Field(1.0, description="equatorial semi-axis over radius; 1 is a sphere")
     elastic: bool = Field(False, description="true leaves the yield stress out")
-    unload_from: tuple[Depth, ...] = Field((), description="overlaps over radius to unload from, such as 0.05 and 0.1")
+    unload_from: tuple[Depth, ...] = Field(
+        (), description="overlaps over radius to unload from, such as 0.05 and 0.1; the body ends at 1, and runs to 0.5 are verified"
+    )
     max_overlap: Depth | None = Field(None, description="largest overlap over radius; without it the largest of unload_from")
     tolerance: Annotated[float, in_unit("")] = Field(
-        0.01, ge=1e-4, le=0.2, allow_inf_nan=False, description="relative error asked for, such as 0.01"
+        0.01, ge=0.001, le=0.2, allow_inf_nan=False, description="relative error asked for, such as 0.01"
     )
 
 

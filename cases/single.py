@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from cases import console
 from cases.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress
-from cases.store import problems_with_writing
+from cases.store import problems_with_folder, problems_with_writing
 from cases.validation import suggestion, validated
 from contactlaws.errors import InputError, Problem
 from contactlaws.files import write_text
@@ -29,6 +29,8 @@ def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None)
         problems += depth_problems("--", (), None)
     if "yield_stress" not in options and not options.get("elastic"):
         problems.append(missing_yield_stress("--yield-stress", "is needed for a plastic body"))
+    if fields is not None:
+        problems += problems_with_folder("--fields", fields)
     if body is None or out is None or problems:
         raise InputError(_in_words_of_options(problems))
 

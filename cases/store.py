@@ -59,11 +59,17 @@ def hash_of(*parts: object) -> str:
 
 def prepare(folder: Path) -> None:
     """Create the folder and try to write there; raises `InputError` before any computing if that cannot be done."""
+    require(problems_with_folder("--out", folder / "tasks"))
+
+
+def problems_with_folder(name: str, folder: Path) -> Iterator[Problem]:
+    """Create a folder if it isn't there, and try to write into it."""
     try:
-        (folder / "tasks").mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(Problem("--out", str(folder), f"cannot be created ({error.strerror})", "choose another folder")) from None
-    require(problems_with_writing("--out", folder / "tasks"))
+        yield Problem(name, str(folder), f"cannot be created ({error.strerror})", "choose another folder")
+        return
+    yield from problems_with_writing(name, folder)
 
 
 def problems_with_writing(name: str, folder: Path) -> Iterator[Problem]:

@@ -16,6 +16,8 @@ from cases.plan import Task
 from cases.store import Record
 from contactlaws.errors import InputError
 
+pytestmark = pytest.mark.compiled_only(reason="nothing is compiled here, and starting processes takes long")
+
 
 def stand_in(task: Task, folder: str, made: Mapping[str, Record]) -> Record:
     """Does what its name says, and leaves a line in a log so that a second computation would show."""
