@@ -1,0 +1,65 @@
+"""What holds for every law, over the registry."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from contactlaws import dispatch, pair
+from contactlaws.checks import Finding, check
+from contactlaws.path import scan
+from tests.contactlaws.samples import CASES, NAMES, SAMPLES
+
+each_law = pytest.mark.parametrize(("law", "deepest"), CASES, ids=NAMES)
+
+
+def test_every_law_of_the_project_is_sampled():
+    own = {name for name, law in dispatch.laws().items() if law.record.__module__.startswith("contactlaws.")}
+    assert own == set(SAMPLES)
+    assert all(dispatch.laws()[name].source for name in own)
+
+
+@each_law
+def test_passes_all_checks(law: Any, deepest: float):
+    failed: list[Finding] = [finding for finding in check(law, deepest, paths=6) if not finding.passed]
+    assert not failed
+
+
+@each_law
+@settings(max_examples=25, deadline=None)
+@given(turns=st.lists(st.floats(-0.05, 1.0), min_size=1, max_size=6))
+def test_gives_back_no_more_than_was_put_in(law: Any, deepest: float, turns: list[float]):
+    corners = np.concatenate(([0.0], np.array(turns), [0.0])) * deepest
+    path = np.concatenate([np.linspace(a, b, 400) for a, b in zip(corners, corners[1:], strict=False)])
+    found = scan(law, path)
+    work = np.concatenate(([0.0], np.cumsum(0.5 * np.diff(path) * (found.force[1:] + found.force[:-1]))))
+    largest = dispatch.stiffness_bound(law, deepest)
+    # a trapezoid misses at most h^2/8 times the change of slope in a row, and the slopes change by no more than the bound, once up and once down a leg
+    missed = len(turns) * 4.0 * largest * (deepest / 399.0) ** 2
+    assert work.min() >= -missed
+    assert found.force.min() >= 0.0
+    assert np.all(np.diff(found.dissipated_energy) >= -1e-12 * abs(found.dissipated_energy).max())
+
+
+@each_law
+def test_scales_with_the_size_of_the_pair(law: Any, deepest: float):
+    """No material length: lengths by s, forces by s^2, energies by s^3."""
+    s, state = 3.0, dispatch.initial_state(law)
+    one, state_one = pair.pair_force(law, 1.0, deepest, 0.0, 0.0, state)
+    large, state_large = pair.pair_force(law, s, s * deepest, 0.0, 0.0, state)
+    assert large == pytest.approx(s**2 * one, rel=1e-14)
+    assert pair.pair_energy(law, s, s * deepest, state_large) == pytest.approx(tuple(s**3 * e for e in pair.pair_energy(law, 1.0, deepest, state_one)))
+    assert pair.pair_stiffness_bound(law, s, s * deepest) == pytest.approx(s * pair.pair_stiffness_bound(law, 1.0, deepest), rel=1e-14)
+
+
+@each_law
+def test_a_contact_that_opened_is_new_but_its_dissipation_stays(law: Any, deepest: float):
+    path = np.array([0.0, deepest, -deepest, deepest])
+    found = scan(law, path)
+    assert found.force[3] == found.force[1]
+    assert found.dissipated_energy[2] == pytest.approx(found.dissipated_energy[1], rel=1e-12)
+    assert found.dissipated_energy[3] == pytest.approx(2.0 * found.dissipated_energy[1], rel=1e-12)
