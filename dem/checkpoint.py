@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
-import tempfile
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 
 from contactlaws.errors import InputError, Problem
-
-
-@contextlib.contextmanager
-def atomic(path: Path) -> Iterator[IO[bytes]]:
-    """A file that appears at `path` only when it is complete; on any error the old one stays and nothing is left behind."""
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(name, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(name)
-        raise
+from contactlaws.files import write_atomically
 
 
 def writable_problems(path: Path) -> Iterator[Problem]:
@@ -45,8 +28,12 @@ def writable_problems(path: Path) -> Iterator[Problem]:
 def save(path: Path, identity: dict[str, str], numbers: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
     """Write arrays, `numbers` (JSON types; floats survive to the last bit) and whose they are."""
     text = np.frombuffer(json.dumps({"identity": identity, "numbers": numbers}).encode(), dtype=np.uint8)
-    with atomic(path) as file:
-        np.savez(file, allow_pickle=False, header=text, **arrays)  # type: ignore[arg-type]
+
+    def write(place: Path) -> None:
+        with place.open("wb") as file:  # given a name, savez would add an ending to it
+            np.savez(file, allow_pickle=False, header=text, **arrays)  # type: ignore[arg-type]
+
+    write_atomically(path, write)
 
 
 def load(path: Path, identity: dict[str, str]) -> tuple[dict[str, Any], dict[str, np.ndarray]]:

@@ -22,7 +22,7 @@ class Energies(NamedTuple):
     kinetic: FloatArray  # of the motion relative to the box
     stored: FloatArray  # in contacts, recoverable
     dissipated: FloatArray  # in contacts, living and ended
-    damped: FloatArray  # by the drag of a quasi-static stage
+    damped: FloatArray  # by the drag
     boundary_work: FloatArray  # put in by the moving box since the start
 
     @property

@@ -6,8 +6,8 @@ half the step: the scheme is symplectic and of second order, and keeps the total
 every particle is carried along with it at once, and no wave starts from a moving face. The energy that the boundary gives is the change of
 kinetic energy in the drift and the trapezium of -(virial/L) dL.
 
-In quasi-static stages velocities relative to the box fade at a constant rate, before the first and after the second kick. Frictionless
-elastic spheres would turn every rearrangement into heat that never leaves, and the slower the loading, the hotter they would end.
+With a drag, velocities relative to the box fade at a constant rate, before the first and after the second kick. Frictionless elastic
+spheres would turn every rearrangement into heat that never leaves, and the slower the loading, the hotter they would end.
 """
 
 from __future__ import annotations

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import meshio
 import numpy as np
 
-from contactlaws.errors import require
+from contactlaws.files import write_atomically, write_text
 from dem.box import wrapped
-from dem.checkpoint import atomic, writable_problems
 from dem.record import Frame
 from dem.trajectory import Trajectory
 
@@ -33,12 +33,7 @@ def dump_text(frame: Frame, step: int) -> str:
 
 def write_dump(trajectory: Trajectory, path: str | Path) -> Path:
     """All frames in one LAMMPS dump text file, written whole or not at all; raises `InputError` if it cannot be written there."""
-    path = Path(path)
-    require(writable_problems(path))
-    with atomic(path) as file:
-        for frame in trajectory.frames:
-            file.write(dump_text(frame, frame.output).encode())
-    return path
+    return write_text(path, "".join(dump_text(frame, frame.output) for frame in trajectory.frames))
 
 
 def write_vtu(trajectory: Trajectory, folder: str | Path) -> tuple[Path, ...]:
@@ -46,17 +41,13 @@ def write_vtu(trajectory: Trajectory, folder: str | Path) -> tuple[Path, ...]:
 
     In ParaView: Glyph, sphere, scale array `diameter`, scale factor 1. Raises `InputError` if it cannot be written there.
     """
-    folder = Path(folder)
-    require(writable_problems(folder / "frames.pvd"))
-    paths = []
+    folder, paths = Path(folder), []
     for number, frame in enumerate(trajectory.frames):
         points = wrapped(frame.position, frame.box)
         data = {name: getattr(frame, name) for name in ("id", "velocity", "contacts", "pressure")} | {"diameter": 2.0 * frame.radius}
         cells = [("vertex", np.arange(len(points)).reshape(-1, 1))]
-        paths.append(folder / f"frame_{number:04d}.vtu")
-        with atomic(paths[-1]) as file:
-            meshio.write(file, meshio.Mesh(points, cells, point_data=data), file_format="vtu")
+        write = partial(meshio.write, mesh=meshio.Mesh(points, cells, point_data=data), file_format="vtu")
+        paths.append(write_atomically(folder / f"frame_{number:04d}.vtu", write))
     entries = "".join(f'<DataSet timestep="{f.time!r}" file="{p.name}"/>' for f, p in zip(trajectory.frames, paths, strict=True))
-    with atomic(folder / "frames.pvd") as file:
-        file.write(f'<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>{entries}</Collection></VTKFile>\n'.encode())
-    return (*paths, folder / "frames.pvd")
+    collection = f'<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>{entries}</Collection></VTKFile>\n'
+    return (*paths, write_text(folder / "frames.pvd", collection))

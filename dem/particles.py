@@ -24,14 +24,14 @@ class Particles(NamedTuple):
     id: npt.NDArray[np.int64]  # shape (n,), all different
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """How many there are."""
         return len(self.position)
 
     @property
     def radii(self) -> FloatArray:
         """Every radius in m, shape (n,)."""
-        return np.broadcast_to(np.asarray(self.radius, dtype=float), (self.count,))
+        return np.broadcast_to(np.asarray(self.radius, dtype=float), (self.size,))
 
     @property
     def solid_volume(self) -> float:
@@ -60,7 +60,7 @@ def spheres(position: npt.ArrayLike, radius: float | npt.ArrayLike, density: flo
 
 def problems_with(particles: Particles) -> Iterator[Problem]:
     """Yield one `Problem` for each array whose shape or values no simulation can use."""
-    count = particles.count
+    count = particles.size
     for name, shape in (("position", (count, 3)), ("velocity", (count, 3)), ("mass", (count,)), ("id", (count,))):
         value = getattr(particles, name)
         if value.shape != shape:

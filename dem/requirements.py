@@ -29,6 +29,8 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
         value = getattr(scene, name)
         if not low < value <= high:
             yield Problem(name, value, f"must lie in ({low:g}, {high:g}]", f"the default is {Scene.__dataclass_fields__[name].default:g}")
+    if scene.drag is not None and not 0.0 < scene.drag < math.inf:
+        yield Problem("drag", scene.drag, "must be positive", "None is no drag")
     for name in ("outputs", "frames"):
         if getattr(scene, name) < 1:
             yield Problem(name, getattr(scene, name), "must be at least 1", "ask for some output")
@@ -44,8 +46,8 @@ def _contact_problems(scene: Scene) -> Iterator[Problem]:
     except InputError as error:
         yield from error.problems
         return
-    for name, value in zip(law._fields, law, strict=True):  # type: ignore[attr-defined]
-        if not isinstance(value, float) or not math.isfinite(value):
+    for name, value in law._asdict().items():  # type: ignore[attr-defined]
+        if isinstance(value, float | int) and not (isinstance(value, float) and math.isfinite(value)):
             yield Problem(f"contact.normal.{name}", value, "must be a finite float", "an int or NaN in a law's record is a mistake")
     if not law.radius > 0.0:  # type: ignore[attr-defined]
         yield Problem("contact.normal.radius", law.radius, "must be positive", "give the radius in m that the law was made for")  # type: ignore[attr-defined]
@@ -62,7 +64,7 @@ def _programme_problems(scene: Scene) -> Iterator[Problem]:
             elif stretch != 1.0 and not periodic:
                 yield Problem(name, stretch, "an open axis cannot be compressed", "make the axis periodic")
         if stage.duration is None:
-            if change == 0.0 or not scene.particles.count:
+            if change == 0.0 or not scene.particles.size:
                 yield Problem(f"programme[{number}].duration", None, "nothing moves, so nothing says how slowly", "give it in s")
         elif not (math.isfinite(stage.duration) and stage.duration > 0.0):
             remedy = "give it in s; a strain rate must not be 0"
@@ -108,8 +110,8 @@ def durations(scene: Scene) -> tuple[float, ...]:
 
 def drags(scene: Scene) -> tuple[float, ...]:
     """Rate in 1/s at which velocities relative to the box fade, per stage: without it an elastic packing heats up, the more the slower."""
-    rate = scene.drag / inertial_time(scene) if scene.drag is not None and any(stage.duration is None for stage in scene.programme) else 0.0
-    return tuple(rate if stage.duration is None else 0.0 for stage in scene.programme)
+    moving = scene.drag is not None and largest_strain(scene) > 0.0 and scene.particles.size > 0
+    return (scene.drag / inertial_time(scene) if moving and scene.drag is not None else 0.0,) * len(scene.programme)
 
 
 def changes(scene: Scene) -> tuple[float, ...]:
@@ -135,19 +137,19 @@ def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
     """How the box moves and how fast, one line per stage in which it does."""
     lines = ["the box deforms affinely and carries the particles along (SLLOD); velocities and kinetic energy are relative to it"]
     for number, (change, duration, drag) in enumerate(zip(changes(scene), durations, drags(scene), strict=True)):
-        if change == 0.0 or not scene.particles.count:
+        if change == 0.0 or not scene.particles.size:
             continue
         rate, slowness = change / duration, inertial_time(scene)
         line = f"stage {number}: strain rate {rate:.3g} 1/s over {duration:.3g} s, inertial number {rate * slowness:.2g} at the top"
         if drag > 0.0:
-            line += f"; quasi-static: velocities fade at {drag:.3g} 1/s, which carries some {drag * rate * slowness**2:.1g} of the pressure"
+            line += f"; non-affine velocities fade at {drag:.3g} 1/s, which carries some {drag * rate * slowness**2:.1g} of the pressure"
         lines.append(line)
     return tuple(lines)
 
 
 def rate_warnings(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
     """Stages too fast for a quasi-static answer."""
-    if not scene.particles.count:
+    if not scene.particles.size:
         return ()
     moving = ((change, duration) for change, duration in zip(changes(scene), durations, strict=True) if change > 0.0)
     numbers = [change / duration * inertial_time(scene) for change, duration in moving]

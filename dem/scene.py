@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,13 +28,13 @@ class Stage(NamedTuple):
     """A part of the loading programme: the edges of the box go linearly to `stretch` times the initial ones."""
 
     stretch: tuple[float, float, float]  # at the end, over the box of the scene
-    duration: float | None = None  # s; None: quasi-static, as slow as the scene's inertial number says and with its drag
+    duration: float | None = None  # s; None: as slow as the scene's inertial number says
 
 
 def uniaxial_compression(strain: float, axis: int = 2, strain_rate: float | None = None, release: bool = True) -> tuple[Stage, ...]:
     """Compress along one axis by an engineering `strain` (0.03 is 3 %), the other edges fixed, and release.
 
-    Quasi-static, unless a `strain_rate` (1/s) is given: then nothing but the contacts takes energy out.
+    `strain_rate` is in 1/s; without it the scene's inertial number decides.
 
     >>> uniaxial_compression(0.03, strain_rate=100.0)[0]
     Stage(stretch=(1.0, 1.0, 0.97), duration=0.0003)
@@ -55,20 +56,26 @@ class Scene:
     programme: tuple[Stage, ...]
     outputs: int = 60  # recorded states per stage
     frames: int = 6  # of these, states whose positions are kept
-    inertial_number: float = 3e-4  # of quasi-static stages; the cost goes with its inverse
-    drag: float | None = 2.5  # of quasi-static stages, on velocities relative to the box: their rate of decay times d sqrt(rho/p)
+    inertial_number: float = 1e-4  # of stages without a duration; the cost goes with its inverse
+    drag: float | None = 2.5  # on velocities relative to a box that deforms: their rate of decay times d sqrt(rho/p); None: no drag
     time_step_fraction: float = 0.4  # of the critical step
     skin: float = 0.05  # of the Verlet list, over the largest diameter
 
     @property
     def content_hash(self) -> str:
         """Sixteen hexadecimal digits of everything that decides the result, except the code."""
-        digest = hashlib.sha256()
-        for array in self.particles:
-            digest.update(np.ascontiguousarray(array).tobytes())
-        rest = (self.box, self.contact, self.programme, self.outputs, self.frames)
-        digest.update(repr((*rest, self.inertial_number, self.drag, self.time_step_fraction, self.skin)).encode())
-        return digest.hexdigest()[:16]
+        settings = (self.outputs, self.frames, self.inertial_number, self.drag, self.time_step_fraction, self.skin)
+        rest = (self.box, self.contact.fitted_overlap, self.programme, settings)
+        return hashlib.sha256(_bytes_of(self.particles) + law_bytes(self.contact.normal) + repr(rest).encode()).hexdigest()[:16]
+
+
+def law_bytes(law: object) -> bytes:
+    """A law's type and parameters, numbers and arrays alike, for hashing."""
+    return type(law).__name__.encode() + _bytes_of(law)  # type: ignore[arg-type]
+
+
+def _bytes_of(fields: Iterable[Any]) -> bytes:
+    return b"".join(repr(np.shape(value)).encode() + np.ascontiguousarray(value).tobytes() for value in fields)
 
 
 def packed_scene(packing: Packing, density: float, contact: Contact, programme: tuple[Stage, ...], **settings: float) -> Scene:

@@ -20,7 +20,7 @@ from dem import requirements
 from dem.box import Box
 from dem.motion import Deformation, lengths_at
 from dem.record import COLUMNS, Frame, in_scene_order, observe
-from dem.scene import Scene
+from dem.scene import Scene, law_bytes
 from dem.timestep import TimeStep, collision_overlap, time_step
 from dem.trajectory import Trajectory, trajectory
 from dem.working import Working, arrays_of, follow, largest_overlap, with_arrays, working
@@ -114,7 +114,7 @@ def prepare(scene: Scene, work: Working) -> Plan:
 
 def _time_step(scene: Scene, work: Working, durations: tuple[float, ...]) -> TimeStep:
     bodies, law = scene.particles, scene.contact.normal
-    if bodies.count == 0:
+    if bodies.size == 0:
         return TimeStep(min(durations) / scene.outputs, math.inf, 0.0, 0.0, 0)
     squeezed = 2.0 * work.widest * (1.0 - min(1.0, *(stretch for stage in scene.programme for stretch in stage.stretch)))
     speed = 2.0 * float(np.sqrt((bodies.velocity**2).sum(axis=1)).max())
@@ -166,21 +166,21 @@ def _line(row: list[float]) -> str:
 
 def law_hash(law: object) -> str:
     """Twelve hexadecimal digits of a law's parameters and of the sources that all laws of this project come from."""
-    return hashlib.sha256(f"{law!r} {source_hash('contactlaws')}".encode()).hexdigest()[:12]
+    return hashlib.sha256(law_bytes(law) + source_hash("contactlaws").encode()).hexdigest()[:12]
 
 
 def _statistics(scene: Scene, plan: Plan, log: Log, identity: dict[str, str]) -> dict[str, Any]:
     law, seconds = scene.contact.normal, max(log.counts["cpu_seconds"], 1e-9)
     return {
         **log.counts,
-        "particle_steps_per_cpu_second": log.counts["steps"] * scene.particles.count / seconds,
+        "particle_steps_per_cpu_second": log.counts["steps"] * scene.particles.size / seconds,
         "dt": [deformation.dt for deformation in plan.deformations],
         "dt_over_critical": [deformation.dt / plan.step.critical for deformation in plan.deformations],
         "stiffness_bound": plan.step.stiffness,
         "overlap_reckoned_with": plan.step.overlap,
         "law": dispatch.law_of(law).name,
         "law_source": dispatch.law_of(law).source,
-        "law_parameters": dict(zip(law._fields, law, strict=True)),  # type: ignore[attr-defined]
+        "law_parameters": {name: np.asarray(value).tolist() for name, value in law._asdict().items()},  # type: ignore[attr-defined]
         "law_hash": law_hash(law),
         "scene_hash": identity["scene"],
         "code_version": identity["code"],

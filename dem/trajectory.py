@@ -106,7 +106,7 @@ def _inertial_number_at(output: int, scene: Scene, column: dict[str, FloatArray]
 
 def _step_over_critical(scene: Scene, relative_overlap: float, steps: list[float]) -> float:
     """The largest time step over the critical one of a scene whose deepest contact was this deep (one body, over its radius)."""
-    if not scene.particles.count or relative_overlap == 0.0:
+    if not scene.particles.size or relative_overlap == 0.0:
         return 0.0
     overlap = 2.0 * relative_overlap * float(scene.particles.radii.max())
     return max(steps) / time_step(scene.contact.normal, scene.particles, overlap, 1.0).critical
@@ -121,7 +121,7 @@ def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[st
         yield f"contacts got deeper than expected (D = {deepest:.4g}): the time step is no longer small, take a smaller time_step_fraction"
     if summary["energy_balance"] > BALANCE:
         yield f"the energy balance closes to {summary['energy_balance']:.2g} only: take a smaller time_step_fraction"
-    if any(stage.duration is None for stage in scene.programme):
+    if scene.drag is not None:
         ratio, number = summary["kinetic_over_stored_at_peak"], summary["inertial_number_at_peak"]
         if ratio is not None and ratio > SLOW:
             yield f"kinetic energy is {ratio:.2g} of the stored one at the peak: take a smaller inertial_number for a quasi-static answer"

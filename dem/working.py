@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -44,7 +44,7 @@ class Working(NamedTuple):
 def working(law: object, bodies: Particles, box: Box, skin: float) -> Working:
     """Arrays sorted by cells, so that neighbours in space are neighbours in memory (once, at the start: a dense packing hardly mixes)."""
     order = cell_order(bodies.position, bodies.radii)
-    radii, count = bodies.radii[order], bodies.count
+    radii, count = bodies.radii[order], bodies.size
     pairs = neighbours(bodies.position[order], radii, box, skin)
     floats = len(dispatch.law_of(law).memory)
     work = Working(
@@ -127,5 +127,5 @@ def arrays_of(work: Working) -> dict[str, np.ndarray]:
 def with_arrays(work: Working, arrays: dict[str, np.ndarray]) -> Working:
     """The state that `arrays_of` took apart."""
     pairs = PairList(**{name: arrays[f"pairs_{name}"] for name in PairList._fields if name != "skin"}, skin=float(arrays["pairs_skin"]))
-    changed = {name: arrays[name] for name in ("position", "velocity", "order", "force", "virial", "tally", "magnitude")}
+    changed: dict[str, Any] = {name: arrays[name] for name in ("position", "velocity", "order", "force", "virial", "tally", "magnitude")}
     return work._replace(pairs=pairs, memory=arrays.get("memory"), **changed)
