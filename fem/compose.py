@@ -1,0 +1,124 @@
+"""Put the runs of two meshes together into one `Curve` in SI units, with its error estimates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contactlaws.curve import Curve
+from contactlaws.material import Material
+from fem import readout
+from fem.first_yield import FirstYield
+from fem.mesh import FloatArray
+from fem.walk import Branch, Walk
+
+#: the extrapolated value is taken to be wrong by this share of what the extrapolation changed; measured in the verification
+SHARE_LEFT = 0.5
+#: no error estimate is smaller: what two element formulations differ by
+SMALLEST_ERROR = 5e-4
+
+
+class Scales(NamedTuple):
+    """From the solver's numbers to SI."""
+
+    length: float
+    stress: float
+
+    @property
+    def force(self) -> float:
+        return self.stress * self.length**2
+
+    @property
+    def energy(self) -> float:
+        return self.stress * self.length**3
+
+
+def first_row(fine: Walk, coarse: Walk, divisions: int) -> float:
+    """Smallest overlap reported: the contact covers the core on both meshes."""
+    return float(max(fine.landing_overlap[divisions - 1], coarse.landing_overlap[divisions // 2 - 1]))
+
+
+def _row_overlaps(fine: Walk, first: float, last: float) -> FloatArray:
+    own = fine.landing_overlap[(fine.landing_overlap >= first) & (fine.landing_overlap < last)]
+    starts = [b.overlap[0] for b in fine.branches]
+    rows = np.unique(np.concatenate([own, starts, [last]]))
+    # a landing next to a stored state would make a row pair that is useless for interpolation
+    keep = np.ones(rows.size, dtype=bool)
+    for i in range(rows.size - 1):
+        near = rows[i + 1] / rows[i] < 1.005
+        if near and rows[i] not in starts:
+            keep[i] = False
+        elif near and rows[i + 1] not in starts and rows[i + 1] != last:
+            keep[i + 1] = False
+    return np.asarray(rows[keep])
+
+
+def _relative(better: FloatArray, fine: FloatArray) -> float:
+    """What the extrapolation leaves, as a mean relative error beyond the first fifth of the path."""
+    change = np.abs(better / fine - 1.0)
+    return max(SMALLEST_ERROR, SHARE_LEFT * float(change[change.size // 5 :].mean()))
+
+
+def _branch_errors(fine: tuple[Branch, ...], coarse: tuple[Branch, ...], unloads: list[readout.Unloading]) -> dict[str, float]:
+    if not fine:
+        return {}
+    recovered = np.array([b.overlap[0] - b.overlap[-1] for b in fine])
+    better = np.array([u.overlap[0] - u.overlap[-1] for u in unloads])
+    shift = max(abs(readout.exponent(f) - readout.exponent(c)) for f, c in zip(fine, coarse, strict=True))
+    stiffness = max(SMALLEST_ERROR, SHARE_LEFT * float(np.abs(better / recovered - 1.0).max()))
+    return {"unloading_stiffness": stiffness, "unloading_exponent": max(0.002, SHARE_LEFT * shift)}
+
+
+def compose(
+    fine: Walk,
+    coarse: Walk,
+    material: Material,
+    radius: float,
+    aspect: float,
+    largest: float,
+    divisions: int,
+    found: FirstYield | None,
+    provenance: Mapping[str, Any],
+) -> Curve:
+    """The curve of `fine`, extrapolated with `coarse`, up to the overlap `largest` or where the runs stopped."""
+    scale = Scales(radius, material.stress_unit)
+    last = min(largest, *(w.landing_overlap[-1] if w.stopped else largest for w in (fine, coarse)))
+    branches = [(f, c) for f, c in zip(fine.branches, coarse.branches, strict=False) if f.overlap[0] <= last]
+    overlap = _row_overlaps(fine._replace(branches=tuple(f for f, _ in branches)), first_row(fine, coarse, divisions), last)
+    own = readout.loading(fine, overlap, divisions // 2)
+    rows = readout.extrapolated(own, readout.loading(coarse, overlap, divisions // 4))
+    unloads = []
+    for f, c in branches:
+        k = int(np.argmin(np.abs(overlap - f.overlap[0])))
+        unloads.append(readout.unloading(f, c, readout.Loading(*(column[k : k + 1] for column in rows))))
+    errors = {"force": _relative(rows.force, own.force), "contact_radius": _relative(rows.contact_radius, own.contact_radius)}
+    errors |= _branch_errors(tuple(f for f, _ in branches), tuple(c for _, c in branches), unloads)
+    if unloads:
+        errors["recovered_energy"] = errors["force"] + errors["unloading_stiffness"]
+    raw = np.interp(overlap, fine.path_overlap, fine.path_force)
+    columns = {
+        "overlap": np.concatenate([[0.0], overlap, *(u.overlap for u in unloads)]) * scale.length,
+        "force": np.concatenate([[0.0], rows.force, *(u.force for u in unloads)]) * scale.force,
+        "raw_force": np.concatenate([[0.0], raw, *(u.raw_force for u in unloads)]) * scale.force,
+        "contact_radius": np.concatenate([[0.0], rows.contact_radius, *(u.contact_radius for u in unloads)]) * scale.length,
+        "stored_energy": np.concatenate([[0.0], rows.stored, *(u.stored for u in unloads)]) * scale.energy,
+        "dissipated_energy": np.concatenate([[0.0], rows.dissipated, *(u.dissipated for u in unloads)]) * scale.energy,
+    }
+    branch = np.concatenate([np.zeros(overlap.size + 1), *(np.full(u.overlap.size, k + 1.0) for k, u in enumerate(unloads))])
+    travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(columns["overlap"])))])
+    stopped = fine.stopped or coarse.stopped
+    return Curve(
+        time=travelled / columns["overlap"].max(),
+        branch=branch.astype(np.int64),
+        radius=radius,
+        aspect=aspect,
+        material=material,
+        yield_overlap=found.overlap * scale.length if found else None,
+        yield_place=(found.place[0] * scale.length, found.place[1] * scale.length) if found else None,
+        errors=errors,
+        stopped=stopped,
+        provenance=provenance,
+        **columns,
+    )

@@ -1,0 +1,162 @@
+"""The entry: press a body of revolution by its mid-plane against a rigid frictionless flat, and read the reference curve."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from threadpoolctl import threadpool_limits
+
+from contactlaws.curve import Curve
+from contactlaws.errors import InputError, Problem, require
+from contactlaws.material import Material, problems_with
+from contactlaws.version import code_version
+from fem.assembly import Discretisation, discretise
+from fem.compose import compose, first_row
+from fem.fields import field_writer
+from fem.first_yield import resolved, small_run
+from fem.march import Steps
+from fem.mesh import spheroid
+from fem.newton import Moduli
+from fem.walk import Walk, balance, walk
+
+Progress = Callable[[float, str], None]
+
+
+class Resolution(NamedTuple):
+    """Mesh and steps of a run; a second run on half the divisions serves extrapolation and the error estimate."""
+
+    divisions: int  # elements across the core, half of those across the quarter circle; even
+    steps: Steps
+
+
+#: cheapest resolution for a tolerance on the mean force; measured against runs twice as fine in the verification
+RESOLUTIONS = (
+    (0.01, Resolution(6, Steps())),
+    (0.005, Resolution(8, Steps())),
+    (0.0025, Resolution(12, Steps(first=0.08))),
+    (0.001, Resolution(16, Steps(first=0.06, growth=1.8))),
+)
+
+
+def resolution_for(tolerance: float) -> Resolution:
+    """The cheapest resolution that keeps `tolerance` (relative, mean force); raises `InputError` if none does."""
+    for promised, resolution in RESOLUTIONS:
+        if promised <= tolerance:
+            return resolution
+    raise InputError(Problem("tolerance", tolerance, f"the finest on offer is {RESOLUTIONS[-1][0]}", f"ask for {RESOLUTIONS[-1][0]} or more"))
+
+
+def _problems(material: Material, radius: float, aspect: float, unload_from: Sequence[float], max_overlap: float | None) -> Iterator[Problem]:
+    yield from problems_with(material)
+    for name, value, low, high in (("radius", radius, 0.0, math.inf), ("aspect", aspect, 0.0999, 10.001)):
+        if not (math.isfinite(value) and low < value < high):
+            bound = "must be a positive length" if name == "radius" else "must lie between 0.1 and 10"
+            yield Problem(name, value, bound, "give metres" if name == "radius" else "aspect is equatorial over axial semi-axis; 1 is a sphere")
+    for name, overlaps in (("unload_from", unload_from), ("max_overlap", () if max_overlap is None else (max_overlap,))):
+        for value in overlaps:
+            if not 0.0 < value < 1.0:
+                yield Problem(name, value, "overlap over radius must lie in (0, 1): the body ends there", "runs to 0.5 are verified")
+    if not unload_from and max_overlap is None:
+        yield Problem("unload_from", tuple(unload_from), "nothing to do without an overlap", "give unload_from or max_overlap")
+
+
+def moduli_of(material: Material) -> Moduli:
+    """Bulk modulus, shear modulus and yield stress over the material's stress unit."""
+    e, nu = material.youngs_modulus / material.stress_unit, material.poissons_ratio
+    return e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)), math.inf if material.yield_stress is None else 1.0
+
+
+def core_size(max_overlap: float, smallest: float) -> float:
+    """Radius of the fine core: a contact of the first reported overlap fills it. Overlaps over the half height."""
+    return min(0.12 * math.sqrt(max_overlap), 0.8 * math.sqrt(smallest), 0.2)
+
+
+def press(
+    material: Material,
+    *,
+    radius: float = 1.0,
+    aspect: float = 1.0,
+    unload_from: Sequence[float] = (),
+    max_overlap: float | None = None,
+    tolerance: float = 0.01,
+    fields: Path | None = None,
+    progress: Progress | None = None,
+) -> Curve:
+    """Reference curve of a sphere (or spheroid) of `material` (SI), `radius` (m) being half its height, `aspect` its width over its height.
+
+    unload_from, max_overlap: overlap over radius; the loading goes to the largest of them. tolerance: on the mean force, chooses mesh and steps.
+    fields: folder for the deformed body with stress and plastic strain (.vtu) at the beginning and end of each unloading.
+    Raises `InputError` for what cannot be computed. If the solver gives up on the way, the curve up to there comes back with `stopped` set.
+
+    >>> curve = press(Material(1000.0, 0.3), max_overlap=1e-3, tolerance=0.01)
+    >>> hertz = 4 / 3 * curve.material.reduced_modulus * curve.overlap[-1] ** 1.5
+    >>> round(float(curve.force[-1] / hertz), 2)  # the sphere is finite: about 1 + a/2R
+    1.01
+    """
+    require(_problems(material, radius, aspect, unload_from, max_overlap))
+    resolution = resolution_for(tolerance)
+    unload_from = sorted(set(float(d) for d in unload_from))
+    largest = max([*unload_from, *(() if max_overlap is None else (float(max_overlap),))])
+    core = core_size(largest, min([largest, *unload_from]))
+
+    def body(divisions: int) -> Discretisation:
+        return discretise(spheroid(divisions, core, aspect))
+
+    return press_body(body, material, radius, aspect, unload_from, largest, resolution, fields, progress)
+
+
+def press_body(
+    body: Callable[[int], Discretisation],
+    material: Material,
+    radius: float,
+    aspect: float,
+    unload_from: Sequence[float],
+    largest: float,
+    resolution: Resolution,
+    fields: Path | None = None,
+    progress: Progress | None = None,
+) -> Curve:
+    """Run the fine and the coarse mesh of a body (`body(divisions)`) and put their curve together; see `press`."""
+    began = time.process_time()
+    moduli, divisions = moduli_of(material), resolution.divisions
+    coarse_body, fine_body = body(divisions // 2), body(divisions)
+    with threadpool_limits(1):
+        coarse = walk(coarse_body, moduli, largest, unload_from, resolution.steps, _part(progress, 0.0, 0.15, "coarse mesh"))
+        visit = None if fields is None else field_writer(fine_body, material.stress_unit, radius, fields)
+        fine = walk(fine_body, moduli, largest, unload_from, resolution.steps, _part(progress, 0.15, 0.99, "fine mesh"), visit)
+        _enough(fine, coarse, divisions)
+        found = resolved(fine, coarse, first_row(fine, coarse, divisions))
+        if found is None and fine.yield_overlap is not None:
+            found = small_run(material, aspect, moduli)
+    provenance = {
+        "code": code_version(),
+        "mesh": fine_body.section.recipe,
+        "elements": int(fine_body.cells.shape[0]),
+        "coarse_mesh": coarse_body.section.recipe,
+        "resolution": {"divisions": divisions, **resolution.steps._asdict()},
+        "statistics": {"fine": vars(fine.statistics), "coarse": vars(coarse.statistics)},
+        "balance": balance(fine),
+        "cpu_seconds": time.process_time() - began,
+    }
+    curve = compose(fine, coarse, material, radius, aspect, largest, divisions, found, provenance)
+    if progress:
+        progress(1.0, "done")
+    return curve
+
+
+def _part(progress: Progress | None, low: float, high: float, name: str) -> Progress | None:
+    """A progress callback for one part of the work."""
+    if progress is None:
+        return None
+    return lambda fraction, text: progress(low + fraction * (high - low), f"{name}: {text}")
+
+
+def _enough(fine: Walk, coarse: Walk, divisions: int) -> None:
+    """A run that stopped before the contact was resolved is worth nothing."""
+    for run, needed in ((fine, divisions + 3), (coarse, divisions // 2 + 3)):
+        if run.landing_overlap.size < needed:
+            raise InputError(Problem("overlap", run.landing_overlap[-1:].tolist(), f"the solver stopped there: {run.stopped}", "ask for a smaller overlap"))

@@ -1,0 +1,153 @@
+"""One complete run on one mesh: loading, branches off it, first yield; only numbers are kept, lengths over the half height."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from fem.assembly import Discretisation
+from fem.march import Steps, between, landings, unload
+from fem.mesh import FloatArray
+from fem.newton import Equilibrium, Moduli, NoEquilibrium, State, Statistics
+
+#: what to do with a branch's first and last state, e.g. write the fields; arguments: overlap it leaves from, states
+Visitor = Callable[[float, list[State]], None]
+LANDINGS_BEYOND = 2  # the smooth readout needs data beyond the largest overlap
+
+
+class Branch(NamedTuple):
+    """An unloading, state by state: the first is the one it leaves from, the last the separation."""
+
+    overlap: FloatArray
+    force: FloatArray
+    stored: FloatArray
+    dissipated: FloatArray
+    edge: FloatArray  # (states, 2) deformed radius of the outermost resting and of the next surface node
+
+
+class Walk(NamedTuple):
+    """A run. Landing rows hold the instants at which a node lands; path rows every converged loading state."""
+
+    landing_overlap: FloatArray
+    landing_stored: FloatArray
+    landing_dissipated: FloatArray
+    landing_radius: FloatArray  # deformed radius of the node that lands
+    path_overlap: FloatArray
+    path_force: FloatArray
+    branches: tuple[Branch, ...]
+    yield_overlap: float | None
+    yield_place: tuple[float, float] | None
+    stopped: str | None
+    statistics: Statistics
+
+
+def contact_edge(body: Discretisation, state: State) -> tuple[float, float]:
+    """Deformed radius of the outermost resting surface node (0 if none rests) and of its outer neighbour."""
+    surface = body.section.surface
+    radius = body.section.mesh.p[0, surface] + state.displacement[surface, 0]
+    resting = np.flatnonzero(state.active)
+    if resting.size == 0:
+        return 0.0, 0.0
+    last = int(resting[-1])
+    return float(radius[last]), float(radius[min(last + 1, radius.size - 1)])
+
+
+def _branch(body: Discretisation, states: list[State]) -> Branch:
+    columns = [np.array([getattr(s, name) for s in states]) for name in ("overlap", "force", "stored", "dissipated")]
+    return Branch(*columns, np.array([contact_edge(body, s) for s in states]))
+
+
+def _first_yield(body: Discretisation, before: State, after: State) -> tuple[float, tuple[float, float]] | None:
+    """Overlap and undeformed place (r, z) at which the yield limit is first met between two states, the stress growing as a power law."""
+    if before.dissipated > 0.0 or after.yield_ratio < 1.0:
+        return None
+    place = body.places[after.yield_place]
+    if before.overlap <= 0.0 or before.yield_ratio <= 0.0:
+        return after.overlap, (float(place[0]), float(place[1]))
+    power = np.log(after.overlap / before.overlap) / np.log(after.yield_ratio / before.yield_ratio)
+    return float(before.overlap * before.yield_ratio**-power), (float(place[0]), float(place[1]))
+
+
+class _Recorder:
+    """Collects the rows of a walk."""
+
+    def __init__(self, body: Discretisation):
+        self.body = body
+        self.landing: list[tuple[float, float, float, float]] = []
+        self.path: list[tuple[float, float]] = []
+        self.branches: list[Branch] = []
+        self.yielded: tuple[float, tuple[float, float]] | None = None
+
+    def interval(self, place: int, states: Sequence[State]) -> None:
+        """Take over the states from one landing (first, already known) to the next (last)."""
+        for before, after in zip(states[:-1], states[1:], strict=True):
+            self.path.append((after.overlap, after.force))
+            self.yielded = self.yielded or _first_yield(self.body, before, after)
+        node, end = self.body.section.surface[place], states[-1]
+        radius = float(self.body.section.mesh.p[0, node] + end.displacement[node, 0])
+        self.landing.append((end.overlap, end.stored, end.dissipated, radius))
+
+    def walk(self, stopped: str | None, statistics: Statistics) -> Walk:
+        """The finished record."""
+        landing, path = np.array(self.landing).reshape(-1, 4).T, np.array(self.path).reshape(-1, 2).T
+        place = self.yielded or (None, None)
+        return Walk(*landing, *path, tuple(self.branches), *place, stopped, statistics)
+
+
+def balance(run: Walk) -> float:
+    """Work of the raw force along the loading over stored plus dissipated energy, minus 1, at the last landing.
+
+    The force is integrated by a cubic through each three neighbouring intervals of the path that hold no landing inside.
+    """
+    overlap, force = np.concatenate([[0.0], run.path_overlap]), np.concatenate([[0.0], run.path_force])
+    ends = np.concatenate([[0], np.searchsorted(overlap, run.landing_overlap)])
+    work = 0.0
+    for a, b in zip(ends[:-1], ends[1:], strict=True):
+        x, y = overlap[a : b + 1], force[a : b + 1]
+        work += float(CubicSpline(x, y).integrate(x[0], x[-1])) if x.size > 3 else float(np.trapezoid(y, x))
+    return work / float(run.landing_stored[-1] + run.landing_dissipated[-1]) - 1.0
+
+
+def walk(
+    body: Discretisation,
+    moduli: Moduli,
+    max_overlap: float,
+    unload_from: Sequence[float] = (),
+    steps: Steps | None = None,
+    progress: Callable[[float, str], None] | None = None,
+    visit: Visitor | None = None,
+) -> Walk:
+    """Press the body to `max_overlap` (and two landings beyond), unloading on the way from each of `unload_from` (ascending).
+
+    When Newton's method fails for good the walk ends there: `stopped` says why, and all up to there is kept.
+    """
+    steps = steps or Steps()
+    solver = Equilibrium(body, moduli)
+    record, last, beyond, stopped = _Recorder(body), solver.start(), 0, None
+    todo = list(unload_from)
+    try:
+        for place, path in landings(solver, steps):
+            states = [last, *path]
+            while todo and todo[0] <= path[-1].overlap:
+                k = max(i for i, s in enumerate(states[:-1]) if s.overlap <= todo[0])
+                start = between(solver, states[k], states[k + 1], todo[0], place)
+                unloading = unload(solver, start, steps)
+                record.branches.append(_branch(body, unloading))
+                if visit:
+                    visit(todo[0], unloading)
+                todo.pop(0)
+            record.interval(place, states)
+            last = path[-1]
+            if progress:
+                done = min(1.0, last.overlap / max_overlap)
+                progress(0.5 * done**0.25 + 0.5 * done, f"overlap {min(last.overlap, max_overlap):.4g} of {max_overlap:.4g}, {len(record.branches)} unloadings")
+            beyond += last.overlap >= max_overlap
+            if beyond >= LANDINGS_BEYOND:
+                break
+    except NoEquilibrium as reason:
+        if last.overlap < max_overlap or todo:
+            stopped = f"no equilibrium found beyond an overlap of {last.overlap:.4g}: {reason}"
+    return record.walk(stopped, solver.statistics)
