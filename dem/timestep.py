@@ -75,4 +75,4 @@ def collision_overlap(law: object, particles: Particles, speed: float) -> float:
     heaviest = int(np.argmax(particles.mass))
     radius, reduced_mass = float(particles.radii[heaviest]), 0.5 * float(particles.mass[heaviest])
     energy = 0.5 * reduced_mass * speed * speed
-    return float(overlap_absorbing(law, pair.pair_scale(law, radius, radius), energy, 1e-6 * radius)) if energy > 0.0 else 0.0
+    return float(overlap_absorbing(law, pair.pair_scale(law, radius, radius), energy, 1e-12 * radius)) if energy > 0.0 else 0.0
