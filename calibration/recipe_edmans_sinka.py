@@ -28,6 +28,8 @@ GAMMAS = tuple(f"gamma_{i}" for i in range(1, 6))
 #: the shape of the loading branch and of the contact area, about as a sphere with E/Y = 100 has it
 SHAPE = {"flow": 0.25, "flow_decay": 0.0, "flow_decay_2": 0.0, "flow_sharpness": 1.5, "plastic_area": 2.8, "plastic_area_decay": 1.0, "area_onset": 1.0}
 UNLOADING = {"exponent": 1.42, "exponent_decay": 2.5}
+#: overlap over radius from which the whole body flows, and curves can show more than one coefficient of it
+BULK = 0.15
 
 PARAMETERS = (
     MODULUS,
@@ -66,6 +68,8 @@ def constants(curves: Sequence[Curve], given: Values) -> Values:
     known |= elastic_factor([curve for curve in curves if is_elastic(curve)], known)
     if all(curve.contact_radius is None for curve in plastic):
         known |= {name: SHAPE[name] for name in ("plastic_area", "plastic_area_decay", "area_onset")}
+    deepest = max(float(curve.overlap.max()) for curve in plastic)
+    known |= {} if deepest > BULK * first.radius else {"flow_decay_2": 0.0}
     unloadings = sum(len(curve.unloadings) for curve in plastic)
     known |= {} if unloadings else UNLOADING
     known |= {"exponent_decay": UNLOADING["exponent_decay"]} if unloadings == 1 else {}
