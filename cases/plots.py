@@ -60,14 +60,14 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 def svg(figure: Figure) -> str:
     """The figure as SVG text without XML head, to stand in an HTML page."""
     text = io.StringIO()
-    figure.savefig(text, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None})
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
     return text.getvalue()[text.getvalue().index("<svg") :]
 
 
 @styled
 def png(figure: Figure, path: Path) -> None:
     """The figure as a PNG file."""
-    figure.savefig(path, format="png", bbox_inches="tight", metadata={"Software": None})
+    figure.savefig(path, format="png", metadata={"Software": None})
 
 
 def _figure(width: float, height: float, *shape: int, **settings: Any) -> tuple[Figure, Any]:
@@ -114,9 +114,7 @@ def _compare(curve: Curve, laws: Mapping[str, Any], colours: Mapping[str, str], 
     for branch in (0, *curve.unloadings):
         rows = curve.rows(branch)
         x = curve.overlap[rows] / curve.radius
-        top.plot(
-            x, values[rows], color="black", lw=2.6, alpha=0.28, solid_capstyle="butt", label="finite elements" if branch == 0 else None
-        )
+        top.plot(x, values[rows], color="#c2c2c2", lw=3.4, solid_capstyle="butt", label="finite elements" if branch == 0 else None)
         for law_name, law in laws.items():
             colour = colours[law_name]
             law_values = getattr(follow(law, curve, branch), name) / unit
@@ -224,7 +222,7 @@ def restitution(
         slowest = yield_speed(thornton, radius, density)
         line = np.geomspace(speeds.min(), speeds.max(), 200)
         closed = [thornton_restitution(speed / slowest) for speed in line]
-        axis.plot(line, closed, color="black", lw=2.6, alpha=0.28, label="Thornton 1997, closed form")
+        axis.plot(line, closed, color="#c2c2c2", lw=3.4, label="Thornton 1997, closed form")
         axis.axvline(slowest, color=GREY, lw=0.7, ls=":")
         axis.annotate("first yield", (slowest, 0.02), xycoords=("data", "axes fraction"), rotation=90, fontsize=7, color=GREY, ha="right")
     for name, table in tables.items():
