@@ -188,5 +188,5 @@ def test_help_and_laws(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.compiled_only(reason="starts a process of its own that compiles nothing")
 def test_help_loads_nothing_heavy() -> None:
-    code = "import sys; from cases.command import execute; execute(['--help']); sys.exit(not sys.modules.keys().isdisjoint({'numba', 'matplotlib'}))"
+    code = "import sys; from cases.command import execute; execute(['--help']); sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], stdout=subprocess.DEVNULL, check=False).returncode == 0
