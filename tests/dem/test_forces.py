@@ -26,7 +26,9 @@ def strained(law: Hertz, kind: str, cells: int, stretch: tuple[float, float, flo
 
 
 @pytest.mark.parametrize("cells", [1, 2, 3])  # one cell: spheres meet several images of each other and of themselves
-@pytest.mark.parametrize(("kind", "expected"), [("simple", 2.0 / 3.0), ("body-centred", 2.0 / 3.0**0.5), ("face-centred", 4.0 * 2.0**0.5 / 3.0)])
+@pytest.mark.parametrize(
+    ("kind", "expected"), [("simple", 2.0 / 3.0), ("body-centred", 2.0 / 3.0**0.5), ("face-centred", 4.0 * 2.0**0.5 / 3.0)]
+)
 def test_isotropic_stress_of_lattices(hertz: Hertz, kind: str, expected: float, cells: int) -> None:
     work, box = strained(hertz, kind, cells, (1.0 - STRAIN,) * 3)
     stress = stress_tensor(work.virial, work.velocity, work.mass, box.volume) / (0.5 * hertz.reduced_modulus * STRAIN**1.5)
@@ -36,7 +38,8 @@ def test_isotropic_stress_of_lattices(hertz: Hertz, kind: str, expected: float, 
 
 
 @pytest.mark.parametrize(
-    ("kind", "along", "across"), [("simple", 2.0 / 3.0, 0.0), ("body-centred", 2.0 / 9.0, 2.0 / 9.0), ("face-centred", 2.0 / 3.0, 1.0 / 3.0)]
+    ("kind", "along", "across"),
+    [("simple", 2.0 / 3.0, 0.0), ("body-centred", 2.0 / 9.0, 2.0 / 9.0), ("face-centred", 2.0 / 3.0, 1.0 / 3.0)],
 )
 def test_uniaxial_stress_of_lattices(hertz: Hertz, kind: str, along: float, across: float) -> None:
     work, box = strained(hertz, kind, 2, (1.0, 1.0, 1.0 - STRAIN))

@@ -60,7 +60,11 @@ def test_the_seed_alone_decides() -> None:
 
 @pytest.mark.parametrize(
     ("lattice", "expected"),
-    [(simple_cubic, math.pi / 6.0), (body_centred_cubic, math.pi * math.sqrt(3.0) / 8.0), (face_centred_cubic, math.pi * math.sqrt(2.0) / 6.0)],
+    [
+        (simple_cubic, math.pi / 6.0),
+        (body_centred_cubic, math.pi * math.sqrt(3.0) / 8.0),
+        (face_centred_cubic, math.pi * math.sqrt(2.0) / 6.0),
+    ],
 )
 def test_lattices_touch(lattice, expected: float) -> None:  # type: ignore[no-untyped-def]
     packing = lattice((2, 3, 2), RADIUS)
