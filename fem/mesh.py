@@ -69,8 +69,8 @@ def spheroid(divisions: int, core: float, aspect: float = 1.0, along: float = 1.
     cells = [quads]
     surface, axis = [index[0, :]], [index[:, 0]]
     for k, ring_radius in enumerate(radius, start=1):
-        # the rounded square turns into a circle over the first rings
-        blend = min(1.0, k / (2.0 * along))
+        # the rounded square turns into a circle while the radius grows by half: over any shorter way its corners would fold fine rings
+        blend = min(1.0, math.log(ring_radius / core_w) / math.log(1.5))
         nodes.append(ring_radius * ((1.0 - blend) * rounded + blend * circle))
         outer = np.arange(2 * m + 1) + (m + 1) ** 2 + (k - 1) * (2 * m + 1)
         cells.append(np.stack([inner[:-1], outer[:-1], outer[1:], inner[1:]]))
