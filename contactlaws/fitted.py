@@ -155,13 +155,21 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
+def _is_table(value: object) -> bool:
+    if not isinstance(value, list):
+        return False
+    if any(isinstance(row, list) for row in value):
+        return all(isinstance(row, list) and len(row) == len(value[0]) and all(map(_is_number, row)) for row in value)
+    return all(map(_is_number, value))
+
+
 def _problems_with_values(content: dict[str, Any], record: Any, place: str) -> Iterator[Problem]:
     kinds = typing.get_type_hints(record)
     for name, value in content["parameters"].items():
         if kinds[name] is float and not _is_number(value):
             yield Problem(f"{place}: {name}", value, "must be a finite number", "repair or refit the law")
-        if kinds[name] is not float and not (isinstance(value, list) and all(map(_is_number, value))):
-            yield Problem(f"{place}: {name}", value, "must be a list of finite numbers", "repair or refit the law")
+        if kinds[name] is not float and not _is_table(value):
+            yield Problem(f"{place}: {name}", value, "must be a list of finite numbers, or of such lists of one length", "repair or refit the law")
     if not _is_number(content["max_overlap"]):
         yield Problem(f"{place}: max_overlap", content["max_overlap"], "must be a finite number of metres", "repair or refit the law")
     material = content["material"]

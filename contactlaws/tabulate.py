@@ -10,7 +10,8 @@ from scipy.interpolate import PchipInterpolator
 
 from contactlaws.curve import Curve
 from contactlaws.errors import Problem, require
-from contactlaws.tabulated import Tabulated, steepest
+from contactlaws.path import trace
+from contactlaws.tabulated import AREA, FORCE, Tabulated, steepest
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,55 +29,60 @@ def from_curve(curve: Curve) -> Tabulated:
     overlap, force = curve.overlap[rows][keep], curve.force[rows][keep]
     slope = _slopes(overlap, force)
     # below the first row the force is a power of the overlap; a measured first row may suggest any, Hertz's is 1.5
-    slope[0] = np.clip(slope[0] * overlap[0] / force[0], 1.0, 3.0) * force[0] / overlap[0]
-    work = _integral(overlap, force, slope) + force[0] * overlap[0] / (slope[0] * overlap[0] / force[0] + 1.0)
-    area = np.zeros(0) if curve.contact_radius is None else curve.contact_radius[rows][keep] ** 2
-    tables = [] if elastic else sorted((_unloading(curve, branch) for branch in curve.unloadings), key=lambda table: table[0])
-    columns = [np.concatenate(parts) if parts else np.zeros(0) for parts in zip(*(table[2] for table in tables), strict=True)] or [np.zeros(0)] * 6
-    sizes = [table[2][0].size for table in tables]
+    power = np.clip(slope[0] * overlap[0] / force[0], 1.0, 3.0)
+    slope[0] = power * force[0] / overlap[0]
+    work = _integral(overlap, force, slope) + force[0] * overlap[0] / (power + 1.0)
+    area = None if curve.contact_radius is None else curve.contact_radius[rows][keep] ** 2
+    loading = _frozen([overlap, force, slope, work, *([] if area is None else [area, _slopes(overlap, area)])])
+    none = Tabulated(float(curve.radius), float(overlap[0]), loading, _frozen(np.zeros((5, 0))), _frozen(np.zeros((loading.shape[0], 0))))
+    if elastic:
+        return none
+    branches = sorted(curve.unloadings, key=lambda branch: curve.overlap[curve.rows(branch)][0])
     yield_overlap = overlap[0] if curve.yield_overlap is None else curve.yield_overlap
-    largest = np.array([table[0] for table in tables])
-    return Tabulated(
-        radius=float(curve.radius),
-        yield_overlap=float(min([yield_overlap, *(0.999 * largest)])),
-        overlap=_frozen(overlap),
-        force=_frozen(force),
-        slope=_frozen(slope),
-        work=_frozen(work),
-        area=_frozen(area),
-        area_slope=_frozen(_slopes(overlap, area) if area.size else area),
-        largest=_frozen(largest),
-        stiffening=_frozen([table[1] for table in tables]),
-        start=_frozen(np.concatenate(([0], np.cumsum(sizes))) if sizes else np.zeros(0)),
-        unload_left=_frozen(columns[0]),
-        unload_force=_frozen(columns[1]),
-        unload_slope=_frozen(columns[2]),
-        unload_steepest=_frozen([_steepest(*table[2][:3]) for table in tables]),
-        unload_work=_frozen(columns[3]),
-        unload_area=_frozen(columns[4]),
-        unload_area_slope=_frozen(columns[5]),
-        last_work=float(work[-1]),
-    )
+    yield_overlap = float(min(yield_overlap, 0.999 * curve.overlap[curve.rows(branches[0])][0]))
+    tables = [_elastic_shape(none, yield_overlap), *(_unloading(curve, branch) for branch in branches)]
+    ends = np.cumsum([0, *(table.shape[1] for table in tables)])
+    states = [(yield_overlap, 0.0), *(_state(curve, branch) for branch in branches)]
+    stored = [(*state, _steepest(table), *ends[k : k + 2]) for k, (state, table) in enumerate(zip(states, tables, strict=True))]
+    return none._replace(yield_overlap=yield_overlap, stored=_frozen(np.array(stored).T), unloading=_frozen(np.concatenate(tables, axis=1)))
 
 
-def _unloading(curve: Curve, branch: int) -> tuple[float, float, tuple[FloatArray, ...]]:
-    """Largest overlap, what plasticity adds to 1/(d_max - d_0), and the six normalised columns of one unloading, from separation up."""
+def _elastic_shape(elastic: Tabulated, yield_overlap: float) -> FloatArray:
+    """The loading up to first yield, normalised as the unloadings are; it matters between first yield and the first stored unloading only."""
+    left = np.linspace(0.0, 1.0, 33) ** 2
+    found = trace(elastic, left * yield_overlap)
+    return _normalised(left, found.force / found.force[-1], None if elastic.loading.shape[0] <= AREA else found.contact_radius)
+
+
+def _unloading(curve: Curve, branch: int) -> FloatArray:
+    """The normalised rows of one unloading, from separation up."""
     rows = curve.rows(branch)
     overlap, force = curve.overlap[rows][::-1], curve.force[rows][::-1]
-    # a recorded separation may lie a round-off or the last row's small force away from zero: the shape itself starts at exactly 0
-    left = (overlap - overlap[0]) / (overlap[-1] - overlap[0])
     ratio = force / force[-1]
-    ratio[0] = 0.0
+    ratio[0] = 0.0  # a measured separation may keep a small force; the shape starts at exactly 0
+    radius = None if curve.contact_radius is None else curve.contact_radius[rows][::-1]
+    return _normalised((overlap - overlap[0]) / (overlap[-1] - overlap[0]), ratio, radius)
+
+
+def _normalised(left: FloatArray, ratio: FloatArray, radius: FloatArray | None) -> FloatArray:
+    """The rows of `Tabulated.unloading`."""
     slope = _slopes(left, ratio)
-    area = np.zeros(0) if curve.contact_radius is None else (curve.contact_radius[rows][::-1] / curve.contact_radius[rows][0]) ** 2
-    area_slope = _slopes(left, area) if area.size else area
-    # an unloading of a body that has hardly yielded may seem to give back all of the overlap: at least 1e-6 of it is taken to stay
-    stiffening = max(1.0 / (overlap[-1] - overlap[0]) - 1.0 / overlap[-1], 1e-6 / overlap[-1])
-    return float(overlap[-1]), float(stiffening), (left, ratio, slope, _integral(left, ratio, slope), area, area_slope)
+    table = [left, ratio, slope, _integral(left, ratio, slope)]
+    if radius is not None:
+        area = (radius / radius[-1]) ** 2
+        table += [area, _slopes(left, area)]
+    return np.array(table)
 
 
-def _steepest(x: FloatArray, y: FloatArray, slope: FloatArray) -> float:
-    return max(steepest(x, y, slope, i) for i in range(x.size - 1))
+def _state(curve: Curve, branch: int) -> tuple[float, float]:
+    """Largest overlap, and what plasticity adds to 1/(d_max - d_0)."""
+    overlap = curve.overlap[curve.rows(branch)]
+    # a body that has hardly yielded may seem to give back all of the overlap: at least 1e-6 of it is taken to stay
+    return float(overlap[0]), float(max(1.0 / (overlap[0] - overlap[-1]) - 1.0 / overlap[0], 1e-6 / overlap[0]))
+
+
+def _steepest(table: FloatArray) -> float:
+    return max(steepest(table, FORCE, i) for i in range(table.shape[1] - 1))
 
 
 def _slopes(x: FloatArray, y: FloatArray) -> FloatArray:
