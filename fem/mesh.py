@@ -83,6 +83,5 @@ def spheroid(divisions: int, core: float, aspect: float = 1.0, along: float = 1.
     axis_nodes, midplane = np.concatenate(axis), inner
     points[0, axis_nodes] = 0.0
     points[1, midplane] = 0.0
-    # the map turns the orientation round
-    mesh = MeshQuad(points, np.ascontiguousarray(np.concatenate(cells, axis=1)[[0, 3, 2, 1]]))
+    mesh = MeshQuad(points, np.ascontiguousarray(np.concatenate(cells, axis=1)))
     return Section(mesh, axis_nodes, midplane, np.concatenate(surface), f"bipolar {m} x {rings} rings, core {core:.3g}, aspect {aspect:.6g}")
