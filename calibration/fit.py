@@ -122,6 +122,10 @@ def _problems(
             yield Problem(f"fixed[{name}]", value, f"{recipe.law} has {', '.join(names)}", "rename or drop it")
         elif isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             yield Problem(f"fixed[{name}]", value, "must be a finite number", "give it in SI units")
+    for parameter in recipe.parameters:
+        value = fixed.get(parameter.name, math.inf)
+        if parameter.above is not None and not value > parameter.above:
+            yield Problem(f"fixed[{parameter.name}]", value, f"must be above {parameter.above}", "give it in SI units")
     for name in free:
         if name not in names or name in fixed:
             yield Problem(f"free[{name}]", name, f"must be one of {', '.join(names)} that is not fixed", "rename or drop it")

@@ -75,8 +75,8 @@ def _blocks_of(number: int, curve: Curve, weights: Mapping[str, float]) -> Itera
             share = _shares(place)
             yield Block("unloading", number, branch, force / force[0], error["unloading_stiffness"] * one, weights["unloading"] * share, place)
             if radius is not None:
-                measured = radius / radius[0]
-                yield Block("contact_radius", number, branch, measured, error["contact_radius"] * one, weights["contact_radius"] * share, place)
+                measured = (radius / radius[0]) ** 2  # the area: the radius ends in a vertical tangent
+                yield Block("contact_radius", number, branch, measured, 2.0 * error["contact_radius"] * one, weights["contact_radius"] * share, place)
 
 
 def _shares(coordinate: FloatArray) -> FloatArray:
@@ -124,7 +124,8 @@ def _predicted(part: Block, found: Trace) -> FloatArray:
     column = found.contact_radius if part.quantity == "contact_radius" else found.force
     if part.branch == 0:
         return column
-    return column / column[0] if column[0] > 0.0 else np.zeros_like(column)
+    ratio = column / column[0] if column[0] > 0.0 else np.zeros_like(column)
+    return ratio * ratio if part.quantity == "contact_radius" else ratio
 
 
 def measures(law: object, curves: Sequence[Curve]) -> Measures:

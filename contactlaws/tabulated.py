@@ -123,10 +123,8 @@ def tabulated_work(law, overlap):  # type: ignore[no-untyped-def]
 
 @kernel
 def tabulated_area(law, overlap):  # type: ignore[no-untyped-def]
-    """Contact radius squared on the loading; NaN if not known."""
+    """Contact radius squared on the loading, where it is known."""
     table, last = law.loading, law.loading.shape[1] - 1
-    if table.shape[0] <= AREA:
-        return math.nan
     if overlap < table[OVERLAP, 0]:
         return table[AREA, 0] * overlap / table[OVERLAP, 0]
     if overlap >= table[OVERLAP, last]:
@@ -202,11 +200,11 @@ def tabulated_contact_radius(law, overlap, state):  # type: ignore[no-untyped-de
     """Square root of the tabulated area."""
     if overlap <= 0.0:
         return 0.0
+    if law.loading.shape[0] <= AREA:
+        return math.nan
     largest = max(overlap, state[0])
     if overlap >= largest or law.stored.shape[1] == 0 or largest <= law.yield_overlap:
         return math.sqrt(max(0.0, tabulated_area(law, overlap)))
-    if law.loading.shape[0] <= AREA:
-        return math.nan
     left = 1.0 - (largest - overlap) / recovered_overlap(law, largest)
     if left <= 0.0:
         return 0.0
