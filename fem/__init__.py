@@ -1,5 +1,6 @@
 """Continuum reference curves: a body of revolution pressed against a rigid flat, by finite elements at finite strain."""
 
 from fem.press import press
+from fem.profile import press_profile
 
-__all__ = ["press"]
+__all__ = ["press", "press_profile"]

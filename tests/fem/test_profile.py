@@ -1,4 +1,4 @@
-"""Bodies given as points: what is refused, what gmsh makes of the rest, and that their curves are those of analysis and of the structured mesh."""
+"""Bodies given as points: what is refused, what gmsh makes of the rest, and that the curves are those of analysis and of `fem.press`."""
 
 from __future__ import annotations
 
