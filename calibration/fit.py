@@ -55,9 +55,9 @@ def fit(
 ) -> Fit:
     """Fit the registered law named `law` to one body's curves.
 
-    Parameters that follow from the curves' material are taken from it; `fixed` gives or overrides values, `free` names some to be fitted all the
-    same. `weights` of force, contact_radius and unloading multiply the squares (each branch counts as one datum with the curve's own error).
-    Measured curves (no material, no contact radius) are fitted the same way, with more parameters free.
+    Parameters that follow from the curves' material are taken from it; `fixed` gives or overrides values, `free` names some to be fitted
+    all the same. `weights` of force, contact_radius and unloading multiply the squares (each branch counts as one datum with the curve's
+    own error). Measured curves (no material, no contact radius) are fitted the same way, with more parameters free.
 
     Raises `InputError` for curves of different bodies or materials, unknown names, or a parameter that must be given.
     """
@@ -135,9 +135,13 @@ def _problems(
     first = curves[0]
     for number, curve in enumerate(curves[1:], 1):
         if not math.isclose(curve.radius, first.radius, rel_tol=1e-9) or curve.aspect != first.aspect:
-            yield Problem(f"curves[{number}]", (curve.radius, curve.aspect), "is of another body (radius, aspect)", "fit each body on its own")
+            yield Problem(
+                f"curves[{number}]", (curve.radius, curve.aspect), "is of another body (radius, aspect)", "fit each body on its own"
+            )
         if not _same_elasticity(curve, first):
-            yield Problem(f"curves[{number}]", curve.material, f"is of another material than {first.material}", "fit each material on its own")
+            yield Problem(
+                f"curves[{number}]", curve.material, f"is of another material than {first.material}", "fit each material on its own"
+            )
 
 
 def _same_elasticity(curve: Curve, other: Curve) -> bool:
@@ -145,7 +149,7 @@ def _same_elasticity(curve: Curve, other: Curve) -> bool:
     if curve.material is None or other.material is None:
         return curve.material is other.material
     one, two = curve.material, other.material
-    same = math.isclose(one.youngs_modulus, two.youngs_modulus, rel_tol=1e-9) and math.isclose(one.poissons_ratio, two.poissons_ratio, abs_tol=1e-12)
+    same = math.isclose(one.youngs_modulus, two.youngs_modulus, rel_tol=1e-9) and math.isclose(
+        one.poissons_ratio, two.poissons_ratio, abs_tol=1e-12
+    )
     return same and (one.yield_stress is None or two.yield_stress is None or math.isclose(one.yield_stress, two.yield_stress, rel_tol=1e-9))
-
-

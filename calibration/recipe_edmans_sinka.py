@@ -26,7 +26,15 @@ ELASTIC = HertzFiniteSize._fields[2:]
 YIELD = ("yield_factor", "yield_factor_slope", "yield_power")
 GAMMAS = tuple(f"gamma_{i}" for i in range(1, 6))
 #: the shape of the loading branch and of the contact area, about as a sphere with E/Y = 100 has it
-SHAPE = {"flow": 0.25, "flow_decay": 0.0, "flow_decay_2": 0.0, "flow_sharpness": 1.5, "plastic_area": 2.8, "plastic_area_decay": 1.0, "area_onset": 1.0}
+SHAPE = {
+    "flow": 0.25,
+    "flow_decay": 0.0,
+    "flow_decay_2": 0.0,
+    "flow_sharpness": 1.5,
+    "plastic_area": 2.8,
+    "plastic_area_decay": 1.0,
+    "area_onset": 1.0,
+}
 UNLOADING = {"exponent": 1.42, "exponent_decay": 2.5}
 #: overlap over radius from which the whole body flows, and curves can show more than one coefficient of it
 BULK = 0.15
@@ -58,9 +66,15 @@ def constants(curves: Sequence[Curve], given: Values) -> Values:
     plastic = plastic_curves(curves)
     material = plastic[0].material
     if material is not None and material.yield_stress is not None:
-        known |= {"reduced_modulus": material.reduced_modulus, "poissons_ratio": material.poissons_ratio, "yield_stress": material.yield_stress}
+        known |= {
+            "reduced_modulus": material.reduced_modulus,
+            "poissons_ratio": material.poissons_ratio,
+            "yield_stress": material.yield_stress,
+        }
     elif material is not None:
-        raise InputError(Problem("curves", material, "are all elastic: nothing to see of the yield stress", "add a curve of the material that yields"))
+        raise InputError(
+            Problem("curves", material, "are all elastic: nothing to see of the yield stress", "add a curve of the material that yields")
+        )
     elif "poissons_ratio" not in given:
         raise InputError(
             Problem("poissons_ratio", None, "the curve names no material and cannot show it", "give it, as fixed={'poissons_ratio': 0.3}")

@@ -46,7 +46,9 @@ class Recipe(NamedTuple):
     law: str
     parameters: tuple[Parameter, ...]  # those that may be free
     select: Callable[[Sequence[Curve]], Sequence[Curve]]  # the curves, or the parts of them, that this law can describe
-    constants: Callable[[Sequence[Curve], Values], Values]  # what is known from all curves given, before the fit; second argument: given by the user
+    constants: Callable[
+        [Sequence[Curve], Values], Values
+    ]  # what is known from all curves given, before the fit; second argument: given by the user
     start: Callable[[Sequence[Curve], Values], Values]  # starting values from the selected curves and what is known
     build: Callable[[Sequence[Curve], Values], Any]  # the record; curves are the selected ones
 
@@ -62,7 +64,11 @@ def register(recipe: Recipe) -> None:
 def recipe_for(law: str) -> Recipe:
     """The recipe of a registered law; raises `InputError` naming the known ones."""
     if law not in _RECIPES:
-        raise InputError(Problem("law", law, f"no recipe to fit it; known are {', '.join(_RECIPES)}", "choose one, or calibration.recipes.register yours"))
+        raise InputError(
+            Problem(
+                "law", law, f"no recipe to fit it; known are {', '.join(_RECIPES)}", "choose one, or calibration.recipes.register yours"
+            )
+        )
     return _RECIPES[law]
 
 
@@ -88,7 +94,11 @@ def plastic_curves(curves: Sequence[Curve]) -> Sequence[Curve]:
 
 def elastic_parts(curves: Sequence[Curve]) -> Sequence[Curve]:
     """The elastic curves, if any; else the loadings up to first yield; curves of unknown material whole."""
-    return [curve for curve in curves if is_elastic(curve)] or [part for curve in curves if (part := _before_yield(curve)) is not None] or curves
+    return (
+        [curve for curve in curves if is_elastic(curve)]
+        or [part for curve in curves if (part := _before_yield(curve)) is not None]
+        or curves
+    )
 
 
 def _before_yield(curve: Curve) -> Curve | None:
@@ -156,10 +166,17 @@ register(
         record_of("hertz_finite_size"),
     )
 )
-register(Recipe("thornton", (MODULUS, Parameter("yield_pressure")), plastic_curves, body_and_modulus, _thornton_start, record_of("thornton")))
+register(
+    Recipe("thornton", (MODULUS, Parameter("yield_pressure")), plastic_curves, body_and_modulus, _thornton_start, record_of("thornton"))
+)
 register(
     Recipe(
-        "tabulated", (), plastic_curves, lambda curves, given: {"radius": curves[0].radius}, lambda curves, known: {}, lambda curves, values: _table(curves)
+        "tabulated",
+        (),
+        plastic_curves,
+        lambda curves, given: {"radius": curves[0].radius},
+        lambda curves, known: {},
+        lambda curves, values: _table(curves),
     )
 )
 

@@ -73,10 +73,20 @@ def _blocks_of(number: int, curve: Curve, weights: Mapping[str, float]) -> Itera
         elif overlap.size > 2 and force[0] > 0.0:
             place, one = (overlap[0] - overlap) / (overlap[0] - overlap[-1]), np.ones(overlap.size)
             share = _shares(place)
-            yield Block("unloading", number, branch, force / force[0], error["unloading_stiffness"] * one, weights["unloading"] * share, place)
+            yield Block(
+                "unloading", number, branch, force / force[0], error["unloading_stiffness"] * one, weights["unloading"] * share, place
+            )
             if radius is not None:
                 measured = (radius / radius[0]) ** 2  # the area: the radius ends in a vertical tangent
-                yield Block("contact_radius", number, branch, measured, 2.0 * error["contact_radius"] * one, weights["contact_radius"] * share, place)
+                yield Block(
+                    "contact_radius",
+                    number,
+                    branch,
+                    measured,
+                    2.0 * error["contact_radius"] * one,
+                    weights["contact_radius"] * share,
+                    place,
+                )
 
 
 def _shares(coordinate: FloatArray) -> FloatArray:
@@ -90,7 +100,9 @@ def _shares(coordinate: FloatArray) -> FloatArray:
 
 
 def residual_vector(law: object, curves: Sequence[Curve], parts: Sequence[Block]) -> FloatArray:
-    """Differences in units of the estimated error; squares sum to (number of blocks) where law and curves differ by that error everywhere."""
+    """Differences in units of the estimated error; squares sum to (number of blocks) where law and curves differ by that error
+    everywhere.
+    """
     followed: dict[tuple[int, int], Trace] = {}
     rows = []
     for part in parts:
@@ -104,9 +116,9 @@ def residual_vector(law: object, curves: Sequence[Curve], parts: Sequence[Block]
 def error_product(parts: Sequence[Block], jacobian: FloatArray) -> FloatArray:
     """J^T C J with C the covariance that the curves' own errors give the residuals of `residual_vector`.
 
-    A mesh too coarse, or a force cell off by 1 %, shifts a whole curve: half the variance is common to a quantity of a curve, on all its branches.
-    The other half is that of ripples, correlated as exp(-distance) along a branch with distances in `Block.place`. Neither half becomes smaller
-    with more rows.
+    A mesh too coarse, or a force cell off by 1 %, shifts a whole curve: half the variance is common to a quantity of a curve, on all its
+    branches. The other half is that of ripples, correlated as exp(-distance) along a branch with distances in `Block.place`. Neither half
+    becomes smaller with more rows.
     """
     product = np.zeros((jacobian.shape[1],) * 2)
     common: dict[tuple[int, str], FloatArray] = {}
@@ -138,14 +150,19 @@ def measures(law: object, curves: Sequence[Curve]) -> Measures:
         if curve.contact_radius is not None and np.isfinite(found.contact_radius).all()
     ]
     unloadings = [
-        difference for curve in curves for branch in curve.unloadings if (difference := _unloading_differences(law, curve, branch)) is not None
+        difference
+        for curve in curves
+        for branch in curve.unloadings
+        if (difference := _unloading_differences(law, curve, branch)) is not None
     ]
     roots = np.sqrt(np.mean(np.square(unloadings), axis=0)).tolist() if unloadings else [None] * 4
     return Measures(force, _along(with_radius) if with_radius else None, *roots)
 
 
 def _along(triples: list[tuple[FloatArray, FloatArray, FloatArray]]) -> float:
-    return float(sum(np.trapezoid(abs(law - curve), x) for x, curve, law in triples) / sum(np.trapezoid(abs(curve), x) for x, curve, _ in triples))
+    return float(
+        sum(np.trapezoid(abs(law - curve), x) for x, curve, law in triples) / sum(np.trapezoid(abs(curve), x) for x, curve, _ in triples)
+    )
 
 
 def _unloading_differences(law: object, curve: Curve, branch: int) -> tuple[float, float, float, float] | None:

@@ -1,4 +1,6 @@
-"""Tables of fits: one row per material and law, as Parquet or CSV; read back strictly and without running anything that stands in a file."""
+"""Tables of fits: one row per material and law, as Parquet or CSV; read back strictly and without running anything that stands in a
+file.
+"""
 
 from __future__ import annotations
 
@@ -64,9 +66,8 @@ UNITS: Mapping[str, str | None] = {
 }
 #: columns that hold JSON
 _JSON = ("parameters", "standard_errors", "warnings", "curve_hashes")
-_OPTIONAL = ("youngs_modulus", "poissons_ratio", "yield_stress", "density", "condition_number") + tuple(
-    f"residual_{name}" for name, kind in get_type_hints(Measures).items() if type(None) in get_args(kind)
-)
+_MEASURES = tuple(f"residual_{name}" for name, kind in get_type_hints(Measures).items() if type(None) in get_args(kind))
+_OPTIONAL = ("youngs_modulus", "poissons_ratio", "yield_stress", "density", "condition_number", *_MEASURES)
 
 
 def row_of(fit: Fit) -> Row:
@@ -87,7 +88,9 @@ def write(table: FitTable | Iterable[Fit | Row], path: str | Path) -> Path:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(UNITS)
-    writer.writerows([["" if value is None else repr(value) if isinstance(value, float) else value for value in row.values()] for row in rows])
+    writer.writerows(
+        [["" if value is None else repr(value) if isinstance(value, float) else value for value in row.values()] for row in rows]
+    )
     return write_text(path, text.getvalue())
 
 
@@ -165,7 +168,9 @@ def _write_parquet(rows: list[dict[str, Any]], file: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    fields = [pa.field(name, pa.string() if unit is None else pa.float64(), metadata=unit and {"unit": unit}) for name, unit in UNITS.items()]
+    fields = [
+        pa.field(name, pa.string() if unit is None else pa.float64(), metadata=unit and {"unit": unit}) for name, unit in UNITS.items()
+    ]
     pq.write_table(pa.Table.from_pylist(rows, pa.schema(fields, {"format": FORMAT})), file)
 
 
@@ -178,8 +183,12 @@ def _read_parquet(path: Path) -> list[dict[str, Any]]:
     except OSError as error:
         raise InputError(Problem(str(path), error.strerror or str(error), "cannot be read", "check the name and the permission")) from error
     except pa.ArrowException as error:
-        raise InputError(Problem(str(path), str(error).splitlines()[0], "is no whole Parquet file", "it may be truncated: write it again")) from error
+        raise InputError(
+            Problem(str(path), str(error).splitlines()[0], "is no whole Parquet file", "it may be truncated: write it again")
+        ) from error
     if (table.schema.metadata or {}).get(b"format") != FORMAT.encode():
-        raise InputError(Problem(str(path), table.column_names[:8], f"is Parquet, but no {FORMAT!r}", "write it with calibration.table.write"))
+        raise InputError(
+            Problem(str(path), table.column_names[:8], f"is Parquet, but no {FORMAT!r}", "write it with calibration.table.write")
+        )
     require(_problems_with_columns(path, table.column_names))
     return table.to_pylist()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -32,9 +33,9 @@ class Trust(NamedTuple):
 def trust(jacobian: FloatArray, residuals: FloatArray, error_product: FloatArray, data: float) -> Trust:
     """Trust in a least-squares result whose residuals are in units of the curves' error, so that their squares sum to `data` at that error.
 
-    The error of a curve is systematic: more rows do not make it smaller. `error_product` (from `calibration.residuals.error_product`) carries it
-    to the parameters: covariance = (J^T J)^-1 J^T C J (J^T J)^-1. Where the misfit exceeds the curves' error, the law and not the curve is
-    the limit, and the errors are widened by that factor; they are never narrowed below the curves' error.
+    The error of a curve is systematic: more rows do not make it smaller. `error_product` (from `calibration.residuals.error_product`)
+    carries it to the parameters: covariance = (J^T J)^-1 J^T C J (J^T J)^-1. Where the misfit exceeds the curves' error, the law and not
+    the curve is the limit, and the errors are widened by that factor; they are never narrowed below the curves' error.
     """
     size = jacobian.shape[1]
     misfit = math.sqrt(float(residuals @ residuals) / data) if data > 0.0 else 0.0
@@ -63,7 +64,7 @@ def doubts(found: Trust, names: Sequence[str], positive: Sequence[bool]) -> Iter
             yield f"{name} has no influence on these curves: it cannot be fitted to them"
         elif scaled and error > LARGEST_RELATIVE_ERROR:
             yield f"{name} is known to within a factor of {1.0 + min(error, 1e9):.3g} only"
-    for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
+    for i, j in itertools.combinations(range(len(names)), 2):
         if abs(found.correlation[i, j]) > LARGEST_CORRELATION:
             yield f"{names[i]} and {names[j]} cannot be told apart (correlation {found.correlation[i, j]:+.4f})"
     if LARGEST_CONDITION < found.condition_number < math.inf:

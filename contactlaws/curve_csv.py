@@ -21,7 +21,9 @@ FACTS = ("radius", "aspect", "material", "yield_overlap", "yield_place", "errors
 
 
 def write(curve: Curve, facts: Mapping[str, Any], path: str | Path) -> Path:
-    """Write header, facts as JSON in comments, and rows with as many digits as a float has; a contact radius that is not known stays empty."""
+    """Write header, facts as JSON in comments, and rows with as many digits as a float has; a contact radius that is not known stays
+    empty.
+    """
     lines = ["# format: fe2dem curve", "# units: SI (s, m, N); branch 0 is the loading, k the k-th unloading"]
     lines += [f"# {name}: {json.dumps(value, allow_nan=False)}" for name, value in facts.items() if value not in (None, {})]
     lines.append(",".join(HEADER))
@@ -34,8 +36,8 @@ def write(curve: Curve, facts: Mapping[str, Any], path: str | Path) -> Path:
 def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """Columns and facts of a CSV file.
 
-    `# key: value` lines whose key is one of `FACTS` are facts; other comment lines are passed over. Without a branch column the largest overlap
-    is where the loading ends and the one unloading begins.
+    `# key: value` lines whose key is one of `FACTS` are facts; other comment lines are passed over. Without a branch column the largest
+    overlap is where the loading ends and the one unloading begins.
     """
     lines = read_text(path).splitlines()
     facts = _facts(path, lines)
@@ -72,7 +74,12 @@ def _facts(path: str | Path, lines: list[str]) -> dict[str, Any]:
 def _problems_with_header(path: str | Path, header: list[str]) -> Iterator[Problem]:
     for name in ("overlap", "force"):
         if name not in header:
-            yield Problem(f"{path}: column {name}", None, f"the header is {','.join(header)!r}", "name the columns at least 'overlap,force', in m and N")
+            yield Problem(
+                f"{path}: column {name}",
+                None,
+                f"the header is {','.join(header)!r}",
+                "name the columns at least 'overlap,force', in m and N",
+            )
     for name in header:
         if name not in KNOWN or header.count(name) > 1:
             yield Problem(f"{path}: column", name, f"each of {', '.join(KNOWN)} may stand there once", "rename or remove the column")
@@ -83,7 +90,9 @@ def _columns(path: str | Path, header: list[str], body: list[tuple[int, str]]) -
     values: list[list[float]] = []
     for number, cells in zip((number for number, _ in body), csv.reader(line for _, line in body), strict=True):
         if len(cells) != len(header):
-            problems.append(Problem(f"{path} line {number}", ",".join(cells), f"must have {len(header)} values", "complete or remove the line"))
+            problems.append(
+                Problem(f"{path} line {number}", ",".join(cells), f"must have {len(header)} values", "complete or remove the line")
+            )
             continue
         values.append([_number(path, number, name, cell, problems) for name, cell in zip(header, cells, strict=True)])
     if not problems and len(values) < 3:
@@ -115,13 +124,22 @@ def _number(path: str | Path, line: int, name: str, cell: str, problems: list[Pr
 def _problems_with_order(path: str | Path, columns: Mapping[str, Any], lines: list[int]) -> Iterator[Problem]:
     branch, overlap = columns["branch"], columns["overlap"]
     for row in np.flatnonzero(~np.isin(np.diff(branch, prepend=branch[:1]), (0, 1)) | (np.arange(branch.size) == 0) & (branch != 0))[:3]:
-        yield Problem(f"{path} line {lines[row]}: branch", branch[row], "must start at 0 and go up by 0 or 1", "keep the rows in the order of the path")
+        yield Problem(
+            f"{path} line {lines[row]}: branch",
+            branch[row],
+            "must start at 0 and go up by 0 or 1",
+            "keep the rows in the order of the path",
+        )
     same = np.diff(branch) == 0
     step = np.diff(overlap)
     for row in np.flatnonzero(same & (branch[1:] == 0) & (step <= 0))[:3] + 1:
-        yield Problem(f"{path} line {lines[row]}: overlap", overlap[row], "must increase along the loading", "keep the rows in the order of the path")
+        yield Problem(
+            f"{path} line {lines[row]}: overlap", overlap[row], "must increase along the loading", "keep the rows in the order of the path"
+        )
     for row in np.flatnonzero(same & (branch[1:] > 0) & (step >= 0))[:3] + 1:
-        yield Problem(f"{path} line {lines[row]}: overlap", overlap[row], "must decrease along an unloading", "keep the rows in the order of the path")
+        yield Problem(
+            f"{path} line {lines[row]}: overlap", overlap[row], "must decrease along an unloading", "keep the rows in the order of the path"
+        )
 
 
 def _with_branches(path: str | Path, columns: Mapping[str, Any], lines: list[int]) -> dict[str, Any]:

@@ -43,8 +43,8 @@ def write_curve(curve: Curve, path: str | Path) -> Path:
 def read_curve(path: str | Path, radius: float | None = None, material: Material | None = None) -> Curve:
     """Read a curve from .parquet or .csv, also a measured one that has only overlap and force.
 
-    `radius` (m) and `material` stand in for what a measured file does not say, and must not contradict what it does. Raises `InputError` naming
-    file, row, value and remedy.
+    `radius` (m) and `material` stand in for what a measured file does not say, and must not contradict what it does. Raises `InputError`
+    naming file, row, value and remedy.
     """
     columns, facts = curve_csv.read(path) if _suffix(path) == ".csv" else _read_parquet(Path(path))
     require(_problems_with(facts, path))
@@ -54,10 +54,14 @@ def read_curve(path: str | Path, radius: float | None = None, material: Material
     given = Problem("radius", radius, f"contradicts {path}, which says {facts['radius']!r} m", "leave it out")
     require(() if radius is None or np.isclose(radius, facts["radius"], rtol=1e-9, atol=0.0) else (given,))
     if facts["radius"] is None:
-        raise InputError(Problem("radius", None, f"{path} does not say how large the body is", "give it, or add the line '# radius: 5e-6' (in m)"))
+        raise InputError(
+            Problem("radius", None, f"{path} does not say how large the body is", "give it, or add the line '# radius: 5e-6' (in m)")
+        )
     deepest = float(np.max(columns["overlap"], initial=0.0))
     if deepest >= facts["radius"]:
-        raise InputError(Problem(f"{path}: overlap", deepest, f"must stay below the radius {facts['radius']!r} m", "check that both are in metres"))
+        raise InputError(
+            Problem(f"{path}: overlap", deepest, f"must stay below the radius {facts['radius']!r} m", "check that both are in metres")
+        )
     if facts.get("yield_place") is not None:
         facts["yield_place"] = tuple(facts["yield_place"])
     try:
@@ -139,7 +143,9 @@ def _read_parquet(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     for field in table.schema:
         unit = (field.metadata or {}).get(b"unit", b"").decode()
         if UNITS.get(field.name) != unit:
-            _broken(path, f"{field.name} in {unit!r}", f"columns are {', '.join(f'{k} in {v}' for k, v in UNITS.items())}", "convert or drop it")
+            _broken(
+                path, f"{field.name} in {unit!r}", f"columns are {', '.join(f'{k} in {v}' for k, v in UNITS.items())}", "convert or drop it"
+            )
     missing = {"time", "overlap", "force", "branch"} - set(table.column_names)
     if missing:
         _broken(path, sorted(missing), "these columns are missing", "write the whole curve")

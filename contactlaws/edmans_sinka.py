@@ -2,15 +2,16 @@
 
 Symbols: D overlap over radius, D_c the same at first yield, E Young's modulus over yield stress, nu Poisson's ratio.
 
-Loading. Exactly elastic (`finite_size_force`) up to D_c, then F = F_el/[1 + (b (sqrt(D/D_c) - 1) exp(-q D - r D^2))^m]^(1/m): smooth at first yield
-for m > 1; far beyond it proportional to the overlap, as plastic indentation is, with a factor for the flow of the whole body at large overlap.
+Loading. Exactly elastic (`finite_size_force`) up to D_c, then F = F_el/[1 + (b (sqrt(D/D_c) - 1) exp(-q D - r D^2))^m]^(1/m): smooth at
+first yield for m > 1; far beyond it proportional to the overlap, as plastic indentation is, with a factor for the flow of the whole body
+at large overlap.
 
-Unloading. Eqs. 2-4 of the paper: F = F_max s^alpha with s = 1 - (d_max - d) rho/R and rho = 1/D + phi E (g1 D + g2 D^-g3 + g4 nu). Eq. 5 gives D_c; as
-printed it has its two coefficients swapped, and its published constants may belong to one of three readings (`FIRST_YIELD`). At first yield
-alpha is the exponent that gives back exactly the elastic energy; from there it goes with phi to 1 + (alpha_0 - 1) exp(-k D).
+Unloading. Eqs. 2-4 of the paper: F = F_max s^alpha with s = 1 - (d_max - d) rho/R and rho = 1/D + phi E (g1 D + g2 D^-g3 + g4 nu). Eq. 5
+gives D_c; as printed it has its two coefficients swapped, and its published constants may belong to one of three readings (`FIRST_YIELD`).
+At first yield alpha is the exponent that gives back exactly the elastic energy; from there it goes with phi to 1 + (alpha_0 - 1) exp(-k D).
 
-Contact radius. Loading: from the elastic to a plastic area as the force falls behind the elastic one. Unloading: (a/a_max)^2 = 1 - (1 - s)^(1 + phi),
-Hertz's where elastic and the flat punch's of Mesarovic & Johnson 2000 where plastic.
+Contact radius. Loading: from the elastic to a plastic area as the force falls behind the elastic one. Unloading: (a/a_max)^2 = 1 - (1 -
+s)^(1 + phi), Hertz's where elastic and the flat punch's of Mesarovic & Johnson 2000 where plastic.
 """
 
 from __future__ import annotations
@@ -111,7 +112,9 @@ def recovered_depth(law, depth, limit):  # type: ignore[no-untyped-def]
     """1/rho, Eqs. 1 and 3: the part of the overlap (over the radius) that unloading from `depth` gives back."""
     phi = plastic_part(law, depth, limit)
     stiffness = law.reduced_modulus * (1.0 - law.poissons_ratio**2) / law.yield_stress
-    return 1.0 / (1.0 / depth + phi * stiffness * (law.gamma_1 * depth + law.gamma_2 * depth**-law.gamma_3 + law.gamma_4 * law.poissons_ratio))
+    return 1.0 / (
+        1.0 / depth + phi * stiffness * (law.gamma_1 * depth + law.gamma_2 * depth**-law.gamma_3 + law.gamma_4 * law.poissons_ratio)
+    )
 
 
 @kernel
@@ -174,7 +177,9 @@ def edmans_sinka_contact_radius(law, overlap, state):  # type: ignore[no-untyped
 
 @kernel
 def edmans_sinka_energy(law, overlap, state):  # type: ignore[no-untyped-def]
-    """Stored: what unloading gives back, F_max/(rho (alpha + 1)) s^(alpha + 1). Dissipated: work of the loading less all that can be got back."""
+    """Stored: what unloading gives back, F_max/(rho (alpha + 1)) s^(alpha + 1). Dissipated: work of the loading less all that can be got
+    back.
+    """
     largest = max(overlap, state[0])
     if largest <= 0.0:
         return 0.0, 0.0
@@ -193,8 +198,9 @@ def edmans_sinka_energy(law, overlap, state):  # type: ignore[no-untyped-def]
 def edmans_sinka_stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
     """The steepest of loading and start of unloading, in 64 steps of the largest overlap from first yield to `overlap`.
 
-    Loading, F = F_el r: over one step no steeper than the largest F_el' times the largest r, and what a growing r adds. Unloading starts with
-    F_max alpha rho/R, which grows with the overlap for the published constants; otherwise the 64 steps find its maximum to within some 0.1 %.
+    Loading, F = F_el r: over one step no steeper than the largest F_el' times the largest r, and what a growing r adds. Unloading starts
+    with F_max alpha rho/R, which grows with the overlap for the published constants; otherwise the 64 steps find its maximum to within
+    some 0.1 %.
     """
     limit = first_yield(law)
     top = max(overlap, 0.0) / law.radius
@@ -222,6 +228,6 @@ register(
         edmans_sinka_energy,
         edmans_sinka_stiffness_bound,
         ("largest_overlap",),
-        "unloading: Edmans & Sinka 2020, Eqs. 2-5, K of Chang, Etsion & Bogy in Eq. 5 unless said otherwise; loading fitted to finite elements",
+        "Edmans & Sinka 2020, Eqs. 2-5 (K of Chang, Etsion & Bogy unless said otherwise) on a loading branch fitted to finite elements",
     )
 )

@@ -55,9 +55,9 @@ register(Law("hertz", Hertz, hertz_force, hertz_contact_radius, hertz_energy, he
 class HertzFiniteSize(NamedTuple):
     """Hertz times a polynomial in the overlap over the radius, for a body that is no half-space.
 
-    F = F_Hertz (1 + c1 sqrt(D) + c2 D + c3 D^3) and a^2 = R d (1 + b1 sqrt(D) + b2 D^2) with D = d/R. The coefficients are fitted to an elastic
-    reference curve and depend on Poisson's ratio only; all zero is Hertz. These powers meet elastic finite-element curves up to D = 0.5 within 1 %
-    in force; neighbouring powers (sqrt(D), D, D^1.5) miss by 4 % and cannot be told apart.
+    F = F_Hertz (1 + c1 sqrt(D) + c2 D + c3 D^3) and a^2 = R d (1 + b1 sqrt(D) + b2 D^2) with D = d/R. The coefficients are fitted to an
+    elastic reference curve and depend on Poisson's ratio only; all zero is Hertz. These powers meet elastic finite-element curves up to D
+    = 0.5 within 1 % in force; neighbouring powers (sqrt(D), D, D^1.5) miss by 4 % and cannot be told apart.
 
     >>> law = HertzFiniteSize(5e-6, 151.47e9, 0.0, 1.0, 0.0, 0.0, 0.0)
     >>> force, _ = hertz_finite_size_force(law, 5e-8, 0.0, 0.0, ())

@@ -12,8 +12,8 @@ from contactlaws.dispatch import Law, register
 class Thornton(NamedTuple):
     """Hertz up to a limiting contact pressure, then a straight line; unloads as a flatter Hertzian body (Thornton 1997).
 
-    Below the yield overlap d_Y = (pi p_Y/(2 E*))^2 R the law is Hertz's. Beyond it F = F_Y + pi p_Y R (d - d_Y). From the largest overlap d_*
-    it unloads, and reloads, as a Hertzian body of the radius R_p = R F_Hertz(d_*)/F_*, which separates at d_p = d_* (1 - R/R_p).
+    Below the yield overlap d_Y = (pi p_Y/(2 E*))^2 R the law is Hertz's. Beyond it F = F_Y + pi p_Y R (d - d_Y). From the largest overlap
+    d_* it unloads, and reloads, as a Hertzian body of the radius R_p = R F_Hertz(d_*)/F_*, which separates at d_p = d_* (1 - R/R_p).
     Good where the plastic zone is small against the body and the mean pressure stays near `yield_pressure`.
 
     >>> law = Thornton(radius=5e-6, reduced_modulus=151.47e9, yield_pressure=12.64e9)

@@ -13,7 +13,8 @@ from contactlaws.errors import InputError, Problem
 def write_atomically(path: str | Path, write: Callable[[Path], object]) -> Path:
     """Let `write` fill a temporary file beside `path`, then rename it to `path`.
 
-    Raises `InputError` where the system refuses (no permission, no such folder, disk full); then `path` is as it was and nothing is left behind.
+    Raises `InputError` where the system refuses (no permission, no such folder, disk full); then `path` is as it was and nothing is left
+    behind.
     """
     target = Path(path)
     temporary = None
@@ -44,7 +45,9 @@ def read_text(path: str | Path) -> str:
     except OSError as error:
         raise InputError(Problem(str(path), error.strerror or str(error), "cannot be read", _remedy(error))) from error
     except UnicodeDecodeError as error:
-        raise InputError(Problem(str(path), f"byte {error.start}", "is no text in UTF-8", "give a text file, or save it as UTF-8")) from error
+        raise InputError(
+            Problem(str(path), f"byte {error.start}", "is no text in UTF-8", "give a text file, or save it as UTF-8")
+        ) from error
 
 
 def _umask() -> int:

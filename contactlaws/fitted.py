@@ -85,7 +85,9 @@ def from_text(text: str, place: str) -> FittedLaw:
     try:
         content = json.loads(text, parse_constant=refuse, object_pairs_hook=lambda pairs: _without_twins(pairs, place))
     except json.JSONDecodeError as error:
-        raise InputError(Problem(f"{place} line {error.lineno}", error.msg, "is no JSON", "give a file written by fitting a law")) from error
+        raise InputError(
+            Problem(f"{place} line {error.lineno}", error.msg, "is no JSON", "give a file written by fitting a law")
+        ) from error
     return from_json(content, place)
 
 
@@ -94,7 +96,9 @@ def from_json(content: object, place: str) -> FittedLaw:
     require(_problems_with_keys(content, KEYS, place))
     assert isinstance(content, dict)
     if content["format"] != FORMAT:
-        raise InputError(Problem(f"{place}: format", content["format"], f"must be {FORMAT!r}", "read it with the release that wrote it, or refit"))
+        raise InputError(
+            Problem(f"{place}: format", content["format"], f"must be {FORMAT!r}", "read it with the release that wrote it, or refit")
+        )
     known = dispatch.laws()
     if content["law"] not in known:
         near = difflib.get_close_matches(str(content["law"]), known, 1)
@@ -169,7 +173,9 @@ def _problems_with_values(content: dict[str, Any], record: Any, place: str) -> I
         if kinds[name] is float and not _is_number(value):
             yield Problem(f"{place}: {name}", value, "must be a finite number", "repair or refit the law")
         if kinds[name] is not float and not _is_table(value):
-            yield Problem(f"{place}: {name}", value, "must be a list of finite numbers, or of such lists of one length", "repair or refit the law")
+            yield Problem(
+                f"{place}: {name}", value, "must be a list of finite numbers, or of such lists of one length", "repair or refit the law"
+            )
     if not _is_number(content["max_overlap"]):
         yield Problem(f"{place}: max_overlap", content["max_overlap"], "must be a finite number of metres", "repair or refit the law")
     material = content["material"]
@@ -208,4 +214,6 @@ def _problems(fitted: FittedLaw) -> Iterator[Problem]:
             yield Problem(f"standard_errors[{name}]", value, f"must be a positive number for one of {', '.join(law._fields)}", "drop it")
     forces = trace(law, fitted.max_overlap * np.array([0.01, 0.1, 0.5, 1.0])).force
     if not (np.isfinite(forces).all() and (forces >= 0.0).all() and forces[-1] > 0.0):
-        yield Problem(f"law {fitted.name}", forces.tolist(), "must push, with a finite force, within its range", "check moduli and other parameters")
+        yield Problem(
+            f"law {fitted.name}", forces.tolist(), "must push, with a finite force, within its range", "check moduli and other parameters"
+        )

@@ -82,7 +82,8 @@ def scan(law: object, overlap: npt.ArrayLike, time: npt.ArrayLike | None = None,
     """
     path, times, memory = _prepared(law, overlap, time, state)
     force, radius, states = for_law(_trace, law)(law, path, times, memory)
-    return Scan(force, radius, *for_law(_energies, law)(law, path, states, memory), states)
+    stored, dissipated = for_law(_energies, law)(law, path, states, memory)
+    return Scan(force, radius, stored, dissipated, states)
 
 
 def _prepared(
@@ -100,6 +101,8 @@ def _require_path(path: FloatArray, times: FloatArray, state: tuple[float, ...],
     if path.ndim != 1 or path.size == 0 or not np.isfinite(path).all():
         raise InputError(Problem("overlap", path.shape, "must be a row of finite numbers", "remove or repair the rows"))
     if times.shape != path.shape or not np.isfinite(times).all() or np.any(np.diff(times) < 0.0):
-        raise InputError(Problem("time", times.shape, f"must be {path.size} finite numbers that do not decrease", "give one time per overlap"))
+        raise InputError(
+            Problem("time", times.shape, f"must be {path.size} finite numbers that do not decrease", "give one time per overlap")
+        )
     if len(state) != floats:
         raise InputError(Problem("state", state, f"this law remembers {floats} floats", "use a state that the law returned"))

@@ -48,7 +48,9 @@ def from_curve(curve: Curve) -> Tabulated:
 
 
 def _elastic_shape(elastic: Tabulated, yield_overlap: float) -> FloatArray:
-    """The loading up to first yield, normalised as the unloadings are; it matters between first yield and the first stored unloading only."""
+    """The loading up to first yield, normalised as the unloadings are; it matters between first yield and the first stored unloading
+    only.
+    """
     left = np.linspace(0.0, 1.0, 33) ** 2
     found = trace(elastic, left * yield_overlap)
     return _normalised(left, found.force / found.force[-1], None if elastic.loading.shape[0] <= AREA else found.contact_radius)
@@ -107,18 +109,28 @@ def _problems(curve: Curve, elastic: bool) -> Iterator[Problem]:
     if np.count_nonzero(curve.force[rows] > 0.0) < 3:
         yield Problem("force", curve.force[rows].tolist()[:5], "must be positive in at least 3 rows of the loading", "press deeper")
     if curve.force[rows][-1] <= 0.0:
-        yield Problem("force", float(curve.force[rows][-1]), "must be positive at the end of the loading", "check its sign: compression is positive")
+        yield Problem(
+            "force", float(curve.force[rows][-1]), "must be positive at the end of the loading", "check its sign: compression is positive"
+        )
     if elastic:
         return
     if not curve.unloadings:
-        yield Problem("unloadings", 0, "a tabulated law of a body that may yield needs at least one", "add one, or a material without yield stress")
+        yield Problem(
+            "unloadings", 0, "a tabulated law of a body that may yield needs at least one", "add one, or a material without yield stress"
+        )
     for branch in curve.unloadings:
         part = curve.rows(branch)
         overlap, force = curve.overlap[part], curve.force[part]
         if overlap.size < 3 or force[0] <= 0.0 or force[-1] > 0.01 * force[0]:
-            yield Problem(f"branch {branch}", f"{overlap.size} rows, last force {force[-1]:.4g} N", "must run down to separation", "leave it out")
+            yield Problem(
+                f"branch {branch}", f"{overlap.size} rows, last force {force[-1]:.4g} N", "must run down to separation", "leave it out"
+            )
         elif (np.diff(overlap) >= 0.0).any():
             row = int(np.flatnonzero(np.diff(overlap) >= 0.0)[0]) + 1
-            yield Problem(f"branch {branch} row {row}: overlap", float(overlap[row]), "must decrease on an unloading", "smooth or thin the rows")
+            yield Problem(
+                f"branch {branch} row {row}: overlap", float(overlap[row]), "must decrease on an unloading", "smooth or thin the rows"
+            )
         elif abs(np.interp(overlap[0], curve.overlap[rows], curve.force[rows]) / force[0] - 1.0) > 0.02:
-            yield Problem(f"branch {branch}: force", float(force[0]), "must start within 2 % of the loading", "give the state it leaves from")
+            yield Problem(
+                f"branch {branch}: force", float(force[0]), "must start within 2 % of the loading", "give the state it leaves from"
+            )

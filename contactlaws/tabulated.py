@@ -1,10 +1,11 @@
 """A law made straight from a curve with its unloadings: exact on its own data, interpolated between them.
 
-Loading: a power law up to the first row, then a monotone cubic (Fritsch & Carlson 1980) through all rows, then a straight line. Unloading from a
-stored state: the rows of that branch, by the same cubic, as force over the force at its start against s = (d - d_0)/(d_max - d_0), d_0 the separation.
-Between two stored states both curves are taken at the same s and mixed linearly in the logarithm of d_max; what plasticity adds to the unloading
-stiffness, 1/(d_max - d_0) - 1/d_max, is a power of d_max. Between first yield and the first stored state the shape is mixed with the elastic one,
-and that addition goes as phi d_max^-1/2: phi of Edmans & Sinka 2020 (Eq. 4) from 0 at first yield, the power that of similar plastic indentation. Beyond the last stored state the shape stays and (d_max - d_0) grows with the force.
+Loading: a power law up to the first row, then a monotone cubic (Fritsch & Carlson 1980) through all rows, then a straight line. Unloading
+from a stored state: the rows of that branch, by the same cubic, as force over the force at its start against s = (d - d_0)/(d_max - d_0),
+d_0 the separation. Between two stored states both curves are taken at the same s and mixed linearly in the logarithm of d_max; what
+plasticity adds to the unloading stiffness, 1/(d_max - d_0) - 1/d_max, is a power of d_max. Between first yield and the first stored state
+the shape is mixed with the elastic one, and that addition goes as phi d_max^-1/2: phi of Edmans & Sinka 2020 (Eq. 4) from 0 at first
+yield, the power that of similar plastic indentation. Beyond the last stored state the shape stays and (d_max - d_0) grows with the force.
 """
 
 from __future__ import annotations
@@ -25,15 +26,18 @@ GAMMA_5 = 0.3429  # Edmans & Sinka 2020, Table 1
 class Tabulated(NamedTuple):
     """The tables; made by `contactlaws.tabulate.from_curve`, which says what each curve must have.
 
-    One column per row of the curve. The first stored unloading is the elastic response at first yield; with none the body is elastic. The last two rows of `loading` and `unloading` are left out where the
-    contact radius is not known, which is NaN then. Few arrays of two dimensions instead of many of one keep compiling short.
+    One column per row of the curve. The first stored unloading is the elastic response at first yield; with none the body is elastic. The
+    last two rows of `loading` and `unloading` are left out where the contact radius is not known, which is NaN then. Few arrays of two
+    dimensions instead of many of one keep compiling short.
     """
 
     radius: float  # m
     yield_overlap: float  # m; up to here unloading follows the loading
     loading: FloatArray  # overlap (m), force (N), its slope, its integral from 0 (J), contact radius squared (m2), its slope
     stored: FloatArray  # for each unloading: d_max (m), 1/(d_max - d_0) - 1/d_max (1/m), largest slope, first column and end in `unloading`
-    unloading: FloatArray  # s, force over force at the start, its slope, its integral from s = 0, contact area over area at the start, its slope
+    unloading: (
+        FloatArray  # s, force over force at the start, its slope, its integral from s = 0, contact area over area at the start, its slope
+    )
 
 
 # rows of the tables; the slope of a quantity stands below it
@@ -134,7 +138,9 @@ def tabulated_area(law, overlap):  # type: ignore[no-untyped-def]
 
 @kernel
 def stored_before(law, largest):  # type: ignore[no-untyped-def]
-    """The stored unloading k and the share of the next one for a largest overlap beyond first yield; the share is 0 at and beyond the last."""
+    """The stored unloading k and the share of the next one for a largest overlap beyond first yield; the share is 0 at and beyond the
+    last.
+    """
     table, count = law.stored, law.stored.shape[1]
     if largest >= table[LARGEST, count - 1]:
         return count - 1, 0.0

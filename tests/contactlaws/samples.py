@@ -23,10 +23,10 @@ def edmans_sinka(material: Material, radius: float = 1.0, **changes: float) -> E
     """A law with a made-up, plausible loading branch."""
     yield_stress = material.yield_stress
     assert yield_stress is not None
-    elastic = dict(force_1=0.1, force_2=0.8, force_3=0.3, area_1=0.05, area_2=0.6)
-    flow = dict(flow=0.22, flow_decay=-2.5, flow_decay_2=2.0, flow_sharpness=1.5)
-    area = dict(plastic_area=2.7, plastic_area_decay=1.2, area_onset=1.0)
-    unloading = dict(exponent=1.45, exponent_decay=2.5, **{f"gamma_{i}": value for i, value in enumerate(PUBLISHED, 1)})
+    elastic = {"force_1": 0.1, "force_2": 0.8, "force_3": 0.3, "area_1": 0.05, "area_2": 0.6}
+    flow = {"flow": 0.22, "flow_decay": -2.5, "flow_decay_2": 2.0, "flow_sharpness": 1.5}
+    area = {"plastic_area": 2.7, "plastic_area_decay": 1.2, "area_onset": 1.0}
+    unloading = {"exponent": 1.45, "exponent_decay": 2.5, **{f"gamma_{i}": value for i, value in enumerate(PUBLISHED, 1)}}
     eq_5 = dict(zip(("yield_factor", "yield_factor_slope", "yield_power"), FIRST_YIELD["corrected"], strict=True))
     values = {**elastic, **flow, **area, **unloading, **eq_5, **changes}
     return EdmansSinka(radius, material.reduced_modulus, material.poissons_ratio, yield_stress, **values)

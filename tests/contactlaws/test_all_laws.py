@@ -38,7 +38,7 @@ def test_gives_back_no_more_than_was_put_in(law: Any, deepest: float, turns: lis
     found = scan(law, path)
     work = np.concatenate(([0.0], np.cumsum(0.5 * np.diff(path) * (found.force[1:] + found.force[:-1]))))
     largest = dispatch.stiffness_bound(law, deepest)
-    # a trapezoid misses at most h^2/8 times the change of slope in a row, and the slopes change by no more than the bound, once up and once down a leg
+    # a trapezoid misses at most h^2/8 times the change of slope in a row; slopes stay below the bound, up and down once a leg
     missed = len(turns) * 4.0 * largest * (deepest / 399.0) ** 2
     assert work.min() >= -missed
     assert found.force.min() >= 0.0
@@ -52,7 +52,9 @@ def test_scales_with_the_size_of_the_pair(law: Any, deepest: float):
     one, state_one = pair.pair_force(law, 1.0, deepest, 0.0, 0.0, state)
     large, state_large = pair.pair_force(law, s, s * deepest, 0.0, 0.0, state)
     assert large == pytest.approx(s**2 * one, rel=1e-14)
-    assert pair.pair_energy(law, s, s * deepest, state_large) == pytest.approx(tuple(s**3 * e for e in pair.pair_energy(law, 1.0, deepest, state_one)))
+    assert pair.pair_energy(law, s, s * deepest, state_large) == pytest.approx(
+        tuple(s**3 * e for e in pair.pair_energy(law, 1.0, deepest, state_one))
+    )
     assert pair.pair_stiffness_bound(law, s, s * deepest) == pytest.approx(s * pair.pair_stiffness_bound(law, 1.0, deepest), rel=1e-14)
 
 

@@ -71,7 +71,12 @@ class Stepped(NamedTuple):
     radius: float
 
 
-for record, force, memory in ((Spring, spring_force, ()), (Sticky, sticky_force, ()), (Generous, generous_force, ("largest",)), (Stepped, stepped_force, ())):
+for record, force, memory in (
+    (Spring, spring_force, ()),
+    (Sticky, sticky_force, ()),
+    (Generous, generous_force, ("largest",)),
+    (Stepped, stepped_force, ()),
+):
     register(Law(f"test_{record.__name__}", record, force, spring_contact_radius, spring_energy, unit_stiffness, memory, "this test"))
 
 

@@ -17,7 +17,15 @@ from contactlaws.files import write_text
 from tests.contactlaws.samples import HARD, curve_of, edmans_sinka
 
 CURVE = curve_of(
-    edmans_sinka(HARD), 0.1, (0.3, 1.0), HARD, rows=20, yield_overlap=5.3e-6, yield_place=(0.0, 0.99), errors={"force": 0.002}, provenance={"cpu": 1.5}
+    edmans_sinka(HARD),
+    0.1,
+    (0.3, 1.0),
+    HARD,
+    rows=20,
+    yield_overlap=5.3e-6,
+    yield_place=(0.0, 0.99),
+    errors={"force": 0.002},
+    provenance={"cpu": 1.5},
 )
 HEADER = "overlap,force\n"
 MEASURED = "# any remark\n# taken: on a Tuesday\n" + HEADER + "1e-7,1e-3\n2e-7,3e-3\n3e-7,6e-3\n2.8e-7,2e-3\n2.6e-7,0\n"

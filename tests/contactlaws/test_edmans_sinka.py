@@ -77,7 +77,9 @@ def test_work_of_the_loading_is_its_integral(depth: float):
     limit = first_yield(law)
     corners = limit * np.geomspace(1.0, depth, 12)
     elastic = loading_work(law, limit, limit)
-    total = elastic + sum(quad(lambda d: loading_force(law, d, limit), a, b, epsabs=0, epsrel=1e-11)[0] for a, b in zip(corners, corners[1:], strict=False))
+    total = elastic + sum(
+        quad(lambda d: loading_force(law, d, limit), a, b, epsabs=0, epsrel=1e-11)[0] for a, b in zip(corners, corners[1:], strict=False)
+    )
     assert loading_work(law, limit * depth, limit) == pytest.approx(total, rel=1e-10)  # quad's own tolerance, added over 11 pieces
 
 

@@ -54,5 +54,7 @@ def test_unloads_as_a_flatter_hertzian_body():
     flatter = LAW.radius * hertz / found.force[0]
     left = np.maximum(path - top * (1 - LAW.radius / flatter), 0.0)
     # the separation overlap is a difference of two numbers 2 to 3 times larger than what is left: a few round-offs
-    np.testing.assert_allclose(found.force, 4 / 3 * LAW.reduced_modulus * np.sqrt(flatter) * left**1.5, rtol=1e-12, atol=1e-13 * found.force[0])
+    np.testing.assert_allclose(
+        found.force, 4 / 3 * LAW.reduced_modulus * np.sqrt(flatter) * left**1.5, rtol=1e-12, atol=1e-13 * found.force[0]
+    )
     np.testing.assert_allclose(found.contact_radius**2, flatter * left, rtol=1e-12, atol=1e-13 * found.contact_radius[0] ** 2)

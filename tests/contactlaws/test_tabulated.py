@@ -24,7 +24,9 @@ def test_exact_on_its_own_data(branch: int):
     found = scan(from_curve(CURVE), path)
     # round-off in s = (d - d_0)/(d_max - d_0), some 20 times magnified by the small difference below the line
     np.testing.assert_allclose(found.force, CURVE.force[rows], rtol=1e-11, atol=1e-12 * CURVE.force[rows].max())
-    np.testing.assert_allclose(found.contact_radius**2, CURVE.contact_radius[rows] ** 2, rtol=1e-11, atol=1e-12 * CURVE.contact_radius[rows].max() ** 2)
+    np.testing.assert_allclose(
+        found.contact_radius**2, CURVE.contact_radius[rows] ** 2, rtol=1e-11, atol=1e-12 * CURVE.contact_radius[rows].max() ** 2
+    )
 
 
 def test_more_unloadings_bring_it_closer_to_where_they_come_from():
