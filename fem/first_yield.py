@@ -10,7 +10,7 @@ from contactlaws.material import Material
 from fem.assembly import discretise
 from fem.mesh import spheroid
 from fem.newton import Moduli
-from fem.readout import extrapolate
+from fem.readout import WORK_SHARE, extrapolate
 from fem.walk import Walk, walk
 
 #: largest pressure over yield stress at first yield of a parabolic body, about (exact: 1.30 at nu = 0 to 1.81 at nu = .45); sizes the mesh only
@@ -37,7 +37,7 @@ def resolved(fine: Walk, coarse: Walk, first_row: float) -> FirstYield | None:
     """First yield from the main runs, if it falls where the contact is resolved."""
     if fine.yield_overlap is None or coarse.yield_overlap is None or fine.yield_place is None or fine.yield_overlap < first_row:
         return None
-    return FirstYield(float(extrapolate(fine.yield_overlap, coarse.yield_overlap)), fine.yield_place)
+    return FirstYield(float(extrapolate(fine.yield_overlap, coarse.yield_overlap, WORK_SHARE)), fine.yield_place)
 
 
 def small_run(material: Material, aspect: float, moduli: Moduli) -> FirstYield | None:

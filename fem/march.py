@@ -69,6 +69,8 @@ def interval(solver: Equilibrium, start: State, place: int, expected: float, lar
             return [*path[1:], replace(new, active=active)]
         if solver.gaps(new.displacement)[place] <= 0.0:
             step *= 0.25  # gone beyond the landing
+            if step < SMALLEST * steps.first * expected:
+                raise NoEquilibrium("a surface node rests before its turn to land")
             continue
         step = min(steps.growth * (new.overlap - path[-1].overlap), expected)
         path.append(new)

@@ -206,7 +206,9 @@ class Equilibrium:
                 raise NoEquilibrium("an element was turned inside out" if not sound else "Newton's method diverges")
             settled = iteration > 0 and residual < max(RESIDUAL * scale, self.round_off)
             changed = False
-            if contact and iteration > 1 and (settled or (isinstance(control, ByOverlap) and residual < 0.02 * scale)):
+            # never leave unchecked; before that, look as soon as the contact can be trusted
+            near = iteration > 1 and isinstance(control, ByOverlap) and residual < 0.02 * scale
+            if contact and (settled or near):
                 through, pulled = self._violations(displacement, active, scale)
                 if free is not None:
                     through[free] = False

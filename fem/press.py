@@ -30,15 +30,16 @@ class Resolution(NamedTuple):
     """Mesh and steps of a run; a second run on half the divisions serves extrapolation and the error estimate."""
 
     divisions: int  # elements across the core, half of those across the quarter circle; even
+    along: float  # elements along the surface for each one across
     steps: Steps
 
 
 #: cheapest resolution for a tolerance on the mean force; measured against runs twice as fine in the verification
 RESOLUTIONS = (
-    (0.01, Resolution(6, Steps())),
-    (0.005, Resolution(8, Steps())),
-    (0.0025, Resolution(12, Steps(first=0.08))),
-    (0.001, Resolution(16, Steps(first=0.06, growth=1.8))),
+    (0.01, Resolution(8, 1.5, Steps(first=0.15, growth=3.0, force_drop=0.05))),
+    (0.005, Resolution(12, 1.5, Steps(first=0.1, growth=2.0, force_drop=0.04))),
+    (0.0025, Resolution(16, 1.5, Steps(first=0.08, growth=2.0, force_drop=0.04))),
+    (0.001, Resolution(24, 1.5, Steps(first=0.06, growth=2.0, force_drop=0.03))),
 )
 
 
@@ -104,7 +105,7 @@ def press(
     core = core_size(largest, min([largest, *unload_from]))
 
     def body(divisions: int) -> Discretisation:
-        return discretise(spheroid(divisions, core, aspect))
+        return discretise(spheroid(divisions, core, aspect, resolution.along))
 
     return press_body(body, material, radius, aspect, unload_from, largest, resolution, fields, progress)
 
@@ -137,7 +138,7 @@ def press_body(
         "mesh": fine_body.section.recipe,
         "elements": int(fine_body.cells.shape[0]),
         "coarse_mesh": coarse_body.section.recipe,
-        "resolution": {"divisions": divisions, **resolution.steps._asdict()},
+        "resolution": {"divisions": divisions, "along": resolution.along, **resolution.steps._asdict()},
         "statistics": {"fine": vars(fine.statistics), "coarse": vars(coarse.statistics)},
         "balance": balance(fine),
         "cpu_seconds": time.process_time() - began,

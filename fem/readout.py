@@ -2,8 +2,10 @@
 
 Force: the work done up to the instants of landing is smooth in the overlap, though the force between them is a sawtooth (nodes land one by
 one); the force is the derivative of a spline through the logarithm of that work. Work is taken as stored plus dissipated energy.
-Both meshes have elements proportional to the distance from the pole and steps proportional to the elements, so every quantity has an error
-of first order in the element size at every overlap; twice the fine result minus the coarse one cancels it.
+A mesh half as fine says what is left: elements are proportional to the distance from the pole and steps to the elements, so a quantity has
+the same order of error at every overlap, and a fixed share of the difference between the meshes removes most of it. The shares are set by
+the orders measured over materials from elastic to E/Y = 1000 and overlaps to 0.45: 1.2 to 1.7 for the work, 1 for the contact radius (whose
+edge lies between two nodes). The recovered overlap scatters with the place of the edge between its nodes, without an order: it is left alone.
 """
 
 from __future__ import annotations
@@ -11,10 +13,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fem.mesh import FloatArray
 from fem.walk import Branch, Walk
+
+
+WORK_SHARE = 0.6  # order 1.4
+EDGE_SHARE = 1.0  # order 1
 
 
 class Loading(NamedTuple):
@@ -60,29 +67,25 @@ def _retreat(branch: Branch) -> FloatArray:
     return np.asarray(PchipInterpolator(middle[::-1], radius[::-1])(branch.overlap) / radius[0])
 
 
-def unloading(fine: Branch, coarse: Branch | None, start: Loading) -> Unloading:
-    """An unloading of the fine mesh, carried to the extrapolated start (one row) and the extrapolated separation.
-
-    The recovered overlap is extrapolated; the shape is the fine mesh's.
-    """
-    recovered = fine.overlap[0] - fine.overlap[-1]
-    better = recovered if coarse is None else extrapolate(recovered, coarse.overlap[0] - coarse.overlap[-1])
-    overlap = fine.overlap[0] - (fine.overlap[0] - fine.overlap) * (better / recovered)
+def unloading(fine: Branch, start: Loading) -> Unloading:
+    """An unloading of the fine mesh, its force and contact radius carried to the smooth loading state (one row) that it leaves from."""
+    overlap = fine.overlap
     force = fine.force * (start.force[0] / fine.force[0])
-    work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(overlap))])
+    work = -cumulative_simpson(force, x=-overlap, initial=0.0)
     dissipated = start.dissipated[0] + (fine.dissipated - fine.dissipated[0])
     stored = start.stored[0] + work - (dissipated - dissipated[0])
     return Unloading(overlap, force, start.contact_radius[0] * _retreat(fine), stored, dissipated, fine.force)
 
 
-def extrapolate(fine: FloatArray | float, coarse: FloatArray | float) -> FloatArray:
-    """The limit of a first-order error, from a mesh and one half as fine."""
-    return np.asarray(2.0 * np.asarray(fine) - np.asarray(coarse))
+def extrapolate(fine: FloatArray | float, coarse: FloatArray | float, share: float) -> FloatArray:
+    """Add `share` of what the finer of two meshes changed; 1/(2^p - 1) removes an error of order p."""
+    return np.asarray(fine) + share * (np.asarray(fine) - np.asarray(coarse))
 
 
-def extrapolated(fine: Loading, coarse: Loading | None) -> Loading:
-    """`extrapolate` for all columns; the fine result itself if there is no coarse one."""
-    return fine if coarse is None else Loading(*(extrapolate(f, c) for f, c in zip(fine, coarse, strict=True)))
+def extrapolated(fine: Loading, coarse: Loading) -> Loading:
+    """Loading columns with most of their mesh error removed."""
+    shares = Loading(force=WORK_SHARE, contact_radius=EDGE_SHARE, stored=WORK_SHARE, dissipated=WORK_SHARE)
+    return Loading(*(extrapolate(*columns) for columns in zip(fine, coarse, shares, strict=True)))
 
 
 def exponent(branch: Branch | Unloading) -> float:
