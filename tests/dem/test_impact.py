@@ -29,6 +29,7 @@ def test_elastic_collision(hertz: Hertz, speed: float) -> None:
     assert found.contact_time[0] == pytest.approx(2.94328 * depth / speed, rel=1e-5)
 
 
+@pytest.mark.compiled_only(reason="100 000 steps; elastic collisions are run interpreted")
 @pytest.mark.parametrize("ratio", RESTITUTION)
 def test_thorntons_restitution(soft_plastic: Thornton, ratio: float) -> None:
     """V_y is the speed whose energy takes both bodies to first yield, 8/15 E* sqrt(R) d_Y^2.5 each, d_Y = (pi p_Y/(2 E*))^2 R."""

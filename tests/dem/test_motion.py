@@ -23,6 +23,7 @@ from dem.working import follow, working
 RADIUS, DENSITY = 5e-6, 4750.0
 
 
+@pytest.mark.compiled_only(reason="10 000 steps of 32 spheres")
 def test_momentum_of_a_free_gas(hertz: Hertz) -> None:
     """Each force is added to one sphere and subtracted from another, so only round-off of the sums is left: 1e-16 times their number."""
     rng = np.random.default_rng(1)
@@ -91,6 +92,7 @@ def test_a_lone_sphere_in_a_shrinking_box_keeps_speed_times_length(hertz: Hertz)
     np.testing.assert_allclose(trajectory.energies.balance, 0.0, atol=1e-12)
 
 
+@pytest.mark.compiled_only(reason="10 000 steps of 32 spheres; the balance of a user's law is run interpreted")
 @pytest.mark.parametrize("drag", [None, 2.5])
 @pytest.mark.parametrize("law_name", ["hertz", "soft_plastic"])
 def test_energy_balance(law_name: str, drag: float | None, shaken_crystal: Packing, request: pytest.FixtureRequest) -> None:
@@ -107,6 +109,7 @@ def test_energy_balance(law_name: str, drag: float | None, shaken_crystal: Packi
     assert (energies.dissipated[-1] > 0.0) == isinstance(law, Thornton)
 
 
+@pytest.mark.compiled_only(reason="hundreds of pair lists; their rebuilding is tested by itself")
 def test_skin_decides_the_cost_not_the_result(soft_plastic: Thornton, shaken_crystal: Packing) -> None:
     """Memory survives new lists: one for every few steps and one for ever give the same path, to round-off that collisions amplify."""
     scene = dem.packed_scene(

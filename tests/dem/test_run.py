@@ -40,6 +40,7 @@ class Killed(Exception):
     """Stands for a kill between two outputs."""
 
 
+@pytest.mark.compiled_only(reason="eight runs; the same arrays go to disk either way")
 @pytest.mark.parametrize("law_name", ["hertz", "soft_plastic"])
 def test_a_killed_run_goes_on_to_the_same_bits(
     law_name: str, shaken_crystal: Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
@@ -87,11 +88,11 @@ def test_one_particle_at_rest_stays(hertz: Hertz) -> None:
 
 
 def test_two_particles_bounce_through_the_face_of_the_box(hertz: Hertz) -> None:
-    bodies = dem.spheres([[0.1 * EDGE, 0.0, 0.0], [0.9 * EDGE, 0.0, 0.0]], RADIUS, DENSITY, [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    scene = dem.Scene(bodies, dem.Box((EDGE,) * 3), dem.Contact(hertz), (dem.Stage((1.0, 1.0, 1.0), 2e-5),), time_step_fraction=0.01)
+    near = 1.01 * RADIUS
+    bodies = dem.spheres([[near, 0.0, 0.0], [EDGE - near, 0.0, 0.0]], RADIUS, DENSITY, [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    scene = dem.Scene(bodies, dem.Box((EDGE,) * 3), dem.Contact(hertz), (dem.Stage((1.0, 1.0, 1.0), 1.5e-7),), time_step_fraction=0.02)
     velocity = dem.run(scene).frames[-1].velocity
-    # the step is a hundredth of the critical one: its square is the error of a collision
-    np.testing.assert_allclose(velocity, -bodies.velocity, atol=1e-4)
+    np.testing.assert_allclose(velocity, -bodies.velocity, atol=4e-4)  # the error of a collision is the square of the step's fraction
 
 
 @pytest.mark.compiled_only(reason="it compares with the interpreted run itself")

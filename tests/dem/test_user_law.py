@@ -64,7 +64,7 @@ def test_restitution_of_a_users_law() -> None:
 
 
 def test_energy_balance_of_a_users_law(shaken_crystal: Packing) -> None:
-    scene = dem.packed_scene(shaken_crystal, DENSITY, dem.Contact(LAW), dem.uniaxial_compression(0.03), inertial_number=3e-3, outputs=20)
+    scene = dem.packed_scene(shaken_crystal, DENSITY, dem.Contact(LAW), dem.uniaxial_compression(0.03), inertial_number=8e-3, outputs=20)
     energies = dem.run(scene).energies
     assert energies.dissipated[-1] > 0.2 * energies.boundary_work.max()
     assert np.abs(energies.balance).max() < 1e-3
