@@ -18,8 +18,6 @@ from cases.plan import Task
 from cases.store import Record
 from contactlaws.errors import InputError, Problem
 
-ATTEMPTS = 2  # a process that is killed takes its neighbours' tasks along; each gets a second chance
-
 
 class Watcher(Protocol):
     """Is told what happens, as it happens."""
@@ -47,22 +45,17 @@ def run(tasks: list[Task], folder: Path, jobs: int, watcher: Watcher, perform: C
             records[task.id] = found
             watcher.reused(task, found)
     todo = [task for task in tasks if task.id not in records]
-    attempts = dict.fromkeys((task.id for task in todo), 0)
     while todo:
-        todo = _round(todo, records, attempts, folder, min(jobs, len(todo)), watcher, perform)
+        todo, suspects = _round(todo, records, folder, min(jobs, len(todo)), watcher, perform)
+        for suspect in suspects:  # a process that dies takes its neighbours along; alone, each shows whether it was the one
+            _round([suspect], records, folder, 1, watcher, perform)
     return records
 
 
 def _round(
-    todo: list[Task],
-    records: dict[str, Record],
-    attempts: dict[str, int],
-    folder: Path,
-    jobs: int,
-    watcher: Watcher,
-    perform: Callable[..., Record],
-) -> list[Task]:
-    """Work through `todo` on one pool of processes; returns what is left because a process died."""
+    todo: list[Task], records: dict[str, Record], folder: Path, jobs: int, watcher: Watcher, perform: Callable[..., Record]
+) -> tuple[list[Task], list[Task]]:
+    """Work through `todo` on one pool of processes; returns what is left, and the suspects, because a process died."""
     waiting, running = list(todo), dict[Future[Record], Task]()
     by_id = {task.id: task for task in todo}
     with _pool(jobs) as (pool, messages):
@@ -77,7 +70,6 @@ def _round(
                     elif len(running) < jobs:
                         running[pool.submit(perform, task, str(folder), {need: records[need] for need in task.needs})] = task
                         waiting.remove(task)
-                        attempts[task.id] += 1
                         watcher.started(task)
                 done, _ = wait(running, timeout=0.1, return_when=FIRST_COMPLETED)
                 _pass_on(messages, by_id, watcher)
@@ -88,23 +80,22 @@ def _round(
                     watcher.finished(task, record)
                     _require_space(record, folder)
         except BrokenProcessPool:
-            return _after_a_death(waiting, list(running.values()), attempts, folder, records, watcher)
-    return []
+            return waiting, _after_a_death(list(running.values()), folder, records, watcher)
+    return [], []
 
 
-def _after_a_death(
-    waiting: list[Task], running: list[Task], attempts: dict[str, int], folder: Path, records: dict[str, Record], watcher: Watcher
-) -> list[Task]:
-    """A process was killed, and the pool with it: give its tasks one more try, then call them failed."""
-    again = []
+def _after_a_death(running: list[Task], folder: Path, records: dict[str, Record], watcher: Watcher) -> list[Task]:
+    """A process was killed, and the pool with it. Returns the tasks that it may have been; one that was alone has failed."""
+    suspects = []
     for task in running:
         found = store.load(folder, task.id, task.key)
-        if found is None and attempts[task.id] < ATTEMPTS:
-            again.append(task)
+        whole = found if found is not None and not found.passing else None
+        if whole is None and len(running) > 1:
+            suspects.append(task)
         else:
-            records[task.id] = found or Record(task.id, task.key, "failed", "its process was killed (out of memory?)", passing=True)
+            records[task.id] = whole or Record(task.id, task.key, "failed", "its process was killed (out of memory?)", passing=True)
             watcher.finished(task, records[task.id])
-    return again + waiting
+    return suspects
 
 
 def _skipped(task: Task, failed: list[str], records: dict[str, Record]) -> Record:

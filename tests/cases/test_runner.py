@@ -5,7 +5,10 @@ from __future__ import annotations
 import errno
 import os
 import signal
-from collections.abc import Mapping
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -135,3 +138,47 @@ def test_records_survive_their_file(tmp_path: Path) -> None:
     assert store.load(tmp_path, "curves.a", "other") is None
     store.save(tmp_path, replace(record, files={"curve": "gone"}))
     assert store.load(tmp_path, "curves.a", "k") is None
+
+
+def patient(task: Task, folder: str, made: Mapping[str, Record]) -> Record:
+    """As `stand_in`, but "slow" says who works on it and then takes a minute."""
+    if task.name == "slow":
+        (Path(folder) / "pid").write_text(str(os.getpid()))
+        time.sleep(60.0)
+    return stand_in(task, folder, made)
+
+
+def run_patiently(folder: str) -> None:
+    """What the test below kills."""
+    runner.run([task("quick"), task("slow")], Path(folder), 2, Silent(), patient)
+
+
+def test_a_run_that_is_killed_loses_nothing_and_leaves_no_process(tmp_path: Path) -> None:
+    code = f"from tests.cases.test_runner import run_patiently\nif __name__ == '__main__': run_patiently({str(tmp_path)!r})"
+    process = subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[2])
+    try:
+        wait_for(lambda: (tmp_path / "pid").exists() and store.load(tmp_path, "curves.quick", "k") is not None)
+    finally:
+        process.kill()
+        process.wait()
+    worker = int((tmp_path / "pid").read_text())
+    wait_for(lambda: not alive(worker))
+    records, seen = run(tmp_path, task("quick"), task("slow"))
+    assert ("reused", "quick") in seen
+    assert records["curves.slow"].state == "done"
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Poll; a minute is far more than starting a process takes."""
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def alive(pid: int) -> bool:
+    """Whether a process runs; one that ended and was not yet fetched does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
