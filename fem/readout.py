@@ -57,13 +57,12 @@ def loading(walk: Walk, overlap: FloatArray, skip: int) -> Loading:
 
 
 def _retreat(branch: Branch) -> FloatArray:
-    """Contact radius over its value at the start: the edge passes half way between two nodes in the middle of the states that rest on it."""
-    edge = branch.edge.mean(axis=1)
-    starts = np.flatnonzero(np.diff(edge, prepend=np.nan) != 0.0)
-    middle = [branch.overlap[a:b].mean() for a, b in zip(starts, [*starts[1:], edge.size], strict=True)]
+    """Contact radius over its value at the start: while the same node is the outermost, the edge passes half way to the next one midway."""
+    starts = np.flatnonzero(np.diff(branch.edge_place, prepend=-2) != 0)
+    ends = np.append(starts[1:], branch.overlap.size)
+    middle = np.array([0.5 * (branch.overlap[a] + branch.overlap[b - 1]) for a, b in zip(starts, ends, strict=True)])
     middle[0], middle[-1] = branch.overlap[0], branch.overlap[-1]
-    radius = np.minimum.accumulate(edge[starts])
-    radius[-1] = 0.0
+    radius = np.minimum.accumulate(branch.edge_radius[starts])
     return np.asarray(PchipInterpolator(middle[::-1], radius[::-1])(branch.overlap) / radius[0])
 
 

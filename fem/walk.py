@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from fem.assembly import Discretisation
 from fem.march import Steps, between, landings, unload
-from fem.mesh import FloatArray
+from fem.mesh import FloatArray, IntArray
 from fem.newton import Equilibrium, Moduli, NoEquilibrium, State, Statistics
 
 #: what to do with a branch's first and last state, e.g. write the fields; arguments: overlap it leaves from, states
@@ -25,7 +25,8 @@ class Branch(NamedTuple):
     force: FloatArray
     stored: FloatArray
     dissipated: FloatArray
-    edge: FloatArray  # (states, 2) deformed radius of the outermost resting and of the next surface node
+    edge_place: IntArray  # number of the outermost resting surface node, -1 if none rests
+    edge_radius: FloatArray  # deformed radius half way between that node and the next, 0 if none rests
 
 
 class Walk(NamedTuple):
@@ -44,20 +45,21 @@ class Walk(NamedTuple):
     statistics: Statistics
 
 
-def contact_edge(body: Discretisation, state: State) -> tuple[float, float]:
-    """Deformed radius of the outermost resting surface node (0 if none rests) and of its outer neighbour."""
+def contact_edge(body: Discretisation, state: State) -> tuple[int, float]:
+    """Number of the outermost resting surface node and the deformed radius half way to the next; (-1, 0) if none rests."""
     surface = body.section.surface
     radius = body.section.mesh.p[0, surface] + state.displacement[surface, 0]
     resting = np.flatnonzero(state.active)
     if resting.size == 0:
-        return 0.0, 0.0
+        return -1, 0.0
     last = int(resting[-1])
-    return float(radius[last]), float(radius[min(last + 1, radius.size - 1)])
+    return last, 0.5 * float(radius[last] + radius[min(last + 1, radius.size - 1)])
 
 
 def _branch(body: Discretisation, states: list[State]) -> Branch:
     columns = [np.array([getattr(s, name) for s in states]) for name in ("overlap", "force", "stored", "dissipated")]
-    return Branch(*columns, np.array([contact_edge(body, s) for s in states]))
+    places, radii = zip(*(contact_edge(body, s) for s in states), strict=True)
+    return Branch(*columns, np.array(places), np.array(radii))
 
 
 def _first_yield(body: Discretisation, before: State, after: State) -> tuple[float, tuple[float, float]] | None:
