@@ -42,10 +42,9 @@ def execute(arguments: list[str]) -> int:
     try:
         app(spread(arguments, SEVERAL_VALUES), prog_name="fe2dem")
     except SystemExit as exit_:
+        if exit_.code == INTERRUPTED:  # how the option parser passes Ctrl-C on
+            print("fe2dem: interrupted; finished results are kept", file=sys.stderr)
         return exit_.code if isinstance(exit_.code, int) else 0 if exit_.code is None else BAD_INPUT
-    except KeyboardInterrupt:
-        print("fe2dem: interrupted; finished results are kept", file=sys.stderr)
-        return INTERRUPTED
     except ValueError as error:
         from contactlaws.errors import InputError  # not above: it brings numba along, and --help shall not wait for that
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import importlib.metadata
 import os
 import platform
@@ -12,8 +11,7 @@ import sys
 from collections.abc import Iterator
 from typing import NamedTuple
 
-#: Debian's packages with the shared libraries that gmsh's wheel links to
-GMSH_PACKAGES = "libglu1-mesa libgl1 libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1 libgomp1"
+from contactlaws.errors import InputError
 
 
 class Finding(NamedTuple):
@@ -74,14 +72,14 @@ def _packages() -> Iterator[Finding]:
 
 def _gmsh() -> Finding:
     """gmsh may be installed and yet not load: its wheel needs shared libraries of the desktop."""
+    from fem.profile import load_gmsh
+
     try:
-        importlib.import_module("gmsh")
-        return Finding("gmsh", "ok", f"{_version('gmsh')}; meshes any meridian profile")
-    except (ImportError, OSError) as error:
-        reason = str(error)
-    return Finding(
-        "gmsh", "optional", f"does not load ({reason}); only bodies other than spheroids need it. Debian: apt-get install {GMSH_PACKAGES}"
-    )
+        load_gmsh()
+    except InputError as error:
+        problem = error.problems[0]
+        return Finding("gmsh", "optional", f"{problem.bound}; {problem.remedy}")
+    return Finding("gmsh", "ok", f"{_version('gmsh')}; meshes any meridian profile")
 
 
 def _cache() -> Iterator[Finding]:
