@@ -1,7 +1,7 @@
 """The same press by CalculiX, where `ccx` is installed: its input deck from our mesh, one run, its force.
 
-Eight-node axisymmetric elements with reduced integration (CAX8R), finite strain, perfect plasticity, and one unilateral gap per surface node
-for the rigid frictionless flat; displacement control both ways.
+Eight-node axisymmetric elements with reduced integration (CAX8R), finite strain, perfect plasticity, and one unilateral gap per surface
+node for the rigid frictionless flat; displacement control both ways.
 """
 
 from __future__ import annotations

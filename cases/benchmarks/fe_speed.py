@@ -1,0 +1,112 @@
+"""CPU seconds of a reference curve, beside the goals and, where `ccx` is installed, beside CalculiX on the same sphere and material.
+
+    python -m cases.benchmarks.fe_speed [--without-calculix]
+
+One thread each. Compiling is done before and reported apart. Our time is that of the whole answer: two meshes, first yield, error
+estimates.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import NamedTuple
+
+import numpy as np
+
+import fem
+from cases.benchmarks import calculix
+from contactlaws.curve import Curve
+from contactlaws.material import Material
+from fem.mesh import spheroid
+from fem.press import core_size, resolution_for
+
+TOLERANCE = 0.01
+RATIOS = (50.0, 200.0, 1000.0)  # Young's modulus over yield stress
+POISSONS_RATIO = 0.3
+SHALLOW, SHALLOW_GOAL = (0.1,), 2.0
+DEEP, DEEP_GOAL = tuple(np.geomspace(0.005, 0.5, 14)), 10.0
+CALCULIX_INCREMENTS, CALCULIX_TIMEOUT = 20, 170.0
+
+
+class Cost(NamedTuple):
+    """One curve of ours and what it cost."""
+
+    curve: Curve
+    cpu_seconds: float
+
+
+def press(material: Material, unload_from: tuple[float, ...]) -> Cost:
+    """Run `fem.press` once and take the time of this process, all threads."""
+    began = time.process_time()
+    curve = fem.press(material, unload_from=unload_from, tolerance=TOLERANCE)
+    return Cost(curve, time.process_time() - began)
+
+
+def by_calculix(material: Material, curve: Curve) -> calculix.Result:
+    """The same loading and unloading by CalculiX, with as many nodes on the surface as our finer mesh has."""
+    rows = curve.rows(1)
+    largest, separation = float(curve.overlap[rows][0]), float(curve.overlap[rows][-1])
+    # eight-node elements of twice the size; a little of the force is left, as a body that hangs free is singular
+    section = spheroid(resolution_for(TOLERANCE).divisions // 2, core_size(largest, largest))
+    stops = [largest, separation + 0.02 * (largest - separation)]
+    return calculix.run(calculix.quadratic(section), material, stops, CALCULIX_INCREMENTS, CALCULIX_TIMEOUT)
+
+
+def loading_difference(curve: Curve, other: calculix.Result) -> float:
+    """Work of our loading over that of CalculiX, beyond the first fifth, minus 1."""
+    rows = curve.rows(0)
+    last = int(np.argmax(other.overlap))
+    x, force = other.overlap[: last + 1], other.force[: last + 1]
+    beyond = x >= 0.2 * x[-1]
+    ours = np.interp(x[beyond], curve.overlap[rows], curve.force[rows])
+    return float(np.trapezoid(ours, x[beyond]) / np.trapezoid(force[beyond], x[beyond]) - 1.0)
+
+
+def unloading_difference(curve: Curve, other: calculix.Result) -> float:
+    """What our body gives back over what CalculiX's does, minus 1: overlaps from the start down to an eighth of the largest force."""
+    rows = curve.rows(1)
+    start = int(np.argmax(other.overlap))
+    eighth = curve.force[rows][0] / 8.0
+    ours = float(np.interp(eighth, curve.force[rows][::-1], curve.overlap[rows][::-1]))
+    theirs = float(np.interp(eighth, other.force[start:][::-1], other.overlap[start:][::-1]))
+    return (curve.overlap[rows][0] - ours) / (other.overlap[start] - theirs) - 1.0
+
+
+def _beside(material: Material, cost: Cost) -> str:
+    other = by_calculix(material, cost.curve)
+    if not other.finished:
+        reached = f"after {other.cpu_seconds:.0f} CPU s at an overlap of {other.overlap[-1:]}"
+        return f"CalculiX did not finish: it ended {reached}; ratio so far {other.cpu_seconds / cost.cpu_seconds:.0f}"
+    return (
+        f"CalculiX {other.cpu_seconds:.1f}, ratio {other.cpu_seconds / cost.cpu_seconds:.0f}; "
+        f"ours differs by {loading_difference(cost.curve, other):+.2%} in force, {unloading_difference(cost.curve, other):+.2%} in recovery"
+    )
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog="python -m cases.benchmarks.fe_speed", description=__doc__.splitlines()[0])  # type: ignore[union-attr]
+    parser.add_argument("--without-calculix", action="store_true", help="only our own times, against the goals")
+    compare = not parser.parse_args(arguments).without_calculix
+    if compare and calculix.installed() is None:
+        print("ccx is not installed (Debian: apt-get install calculix-ccx): only the goals to compare with")
+        compare = False
+    compiling = (
+        press(Material(100.0, POISSONS_RATIO, 1.0), (1e-3,)).cpu_seconds - press(Material(100.0, POISSONS_RATIO, 1.0), (1e-3,)).cpu_seconds
+    )
+    print(f"compiling or loading compiled kernels: {compiling:.1f} CPU s, not in what follows", flush=True)
+    for name, overlaps, goal in (("to .1 R and back", SHALLOW, SHALLOW_GOAL), ("to .5 R with 14 unloadings", DEEP, DEEP_GOAL)):
+        for ratio in RATIOS:
+            material = Material(ratio, POISSONS_RATIO, 1.0)
+            cost = press(material, overlaps)
+            stopped = f"; STOPPED EARLY: {cost.curve.stopped}" if cost.curve.stopped else ""
+            print(
+                f"E/Y {ratio:5g} {name:28s}{cost.cpu_seconds:7.2f} CPU s, {cost.cpu_seconds / goal:5.2f} of the goal{stopped}", flush=True
+            )
+            if compare and overlaps == SHALLOW:
+                print(f"          {_beside(material, cost)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
