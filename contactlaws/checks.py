@@ -96,8 +96,8 @@ def travel(law: Any, turns: npt.ArrayLike) -> Trip:
         force = trace(law, finer, _times(law, finer)).force
         steps = np.diff(path)
         error = abs(steps * (0.5 * (force[:-2:2] + force[2::2]) - force[1::2]))
-        work = np.sum(abs(steps) * force[1::2])
-        if error.sum() <= INTEGRATION * work or finer.size > 400_000:
+        work = np.sum(abs(steps * force[1::2]))
+        if error.sum() <= INTEGRATION * work or finer.size > 100_000:
             break
         keep = np.ones(finer.size, dtype=bool)
         keep[1::2] = error > 0.1 * INTEGRATION * work / error.size

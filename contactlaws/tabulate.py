@@ -20,7 +20,7 @@ def from_curve(curve: Curve) -> Tabulated:
     """The tabulated law of a loading with unloadings; purely elastic (the loading alone) if the material has no yield stress.
 
     Rows before the first positive force are left out. Raises `InputError` for a curve of a body that yields without unloadings, or with an
-    unloading that does not run down to separation or turns back on its way.
+    unloading that does not run down to separation or turns back on its way. Unloadings from before first yield follow the loading.
     """
     elastic = curve.material is not None and curve.material.yield_stress is None
     require(_problems(curve, elastic))
@@ -38,8 +38,11 @@ def from_curve(curve: Curve) -> Tabulated:
     if elastic:
         return none
     branches = sorted(curve.unloadings, key=lambda branch: curve.overlap[curve.rows(branch)][0])
-    yield_overlap = overlap[0] if curve.yield_overlap is None else curve.yield_overlap
-    yield_overlap = float(min(yield_overlap, 0.999 * curve.overlap[curve.rows(branches[0])][0]))
+    yield_overlap = float(overlap[0] if curve.yield_overlap is None else curve.yield_overlap)
+    # an unloading from before first yield follows the loading; its rows could only add their own small error
+    branches = [branch for branch in branches if curve.overlap[curve.rows(branch)][0] > yield_overlap]
+    if not branches:
+        return none
     tables = [_elastic_shape(none, yield_overlap), *(_unloading(curve, branch) for branch in branches)]
     ends = np.cumsum([0, *(table.shape[1] for table in tables)])
     states = [(yield_overlap, 0.0), *(_state(curve, branch) for branch in branches)]

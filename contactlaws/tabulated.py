@@ -83,14 +83,14 @@ def cubic_integral(table, row, i, value):  # type: ignore[no-untyped-def]
 
 @kernel
 def steepest(table, row, i):  # type: ignore[no-untyped-def]
-    """Largest derivative of `cubic` between columns i and i + 1; it is a parabola in between."""
+    """Largest derivative, up or down, of `cubic` between columns i and i + 1; it is a parabola in between."""
     chord = (table[row, i + 1] - table[row, i]) / (table[0, i + 1] - table[0, i])
     left, right = table[row + 1, i], table[row + 1, i + 1]
     curvature = 3.0 * chord - 2.0 * left - right
     twist = left + right - 2.0 * chord
-    found = max(left, right)
-    if twist < 0.0 and 0.0 < -curvature / (3.0 * twist) < 1.0:
-        found = max(found, left - curvature * curvature / (3.0 * twist))
+    found = max(abs(left), abs(right))
+    if twist != 0.0 and 0.0 < -curvature / (3.0 * twist) < 1.0:
+        found = max(found, abs(left - curvature * curvature / (3.0 * twist)))
     return found
 
 

@@ -14,6 +14,7 @@ from contactlaws.checks import Finding, check
 from contactlaws.path import scan
 from tests.contactlaws.samples import CASES, NAMES, SAMPLES
 
+slow_interpreted = pytest.mark.compiled_only(reason="millions of evaluations; one of the checks compares with the interpreted law")
 each_law = pytest.mark.parametrize(("law", "deepest"), CASES, ids=NAMES)
 
 
@@ -23,12 +24,14 @@ def test_every_law_of_the_project_is_sampled():
     assert all(dispatch.laws()[name].source for name in own)
 
 
+@slow_interpreted
 @each_law
 def test_passes_all_checks(law: Any, deepest: float):
     failed: list[Finding] = [finding for finding in check(law, deepest, paths=6) if not finding.passed]
     assert not failed
 
 
+@slow_interpreted
 @each_law
 @settings(max_examples=25, deadline=None)
 @given(turns=st.lists(st.floats(-0.05, 1.0), min_size=1, max_size=6))

@@ -56,6 +56,15 @@ def test_an_elastic_body_needs_no_unloadings_and_has_no_memory():
     np.testing.assert_allclose(found.force, scan(Hertz(1.0, 50.0), path).force, rtol=2e-3)  # cubics through 80 rows over four decades
 
 
+def test_an_unloading_from_before_first_yield_follows_the_loading():
+    late = replace(CURVE, yield_overlap=0.02)
+    law = from_curve(late)
+    assert law.stored.shape[1] == 3  # the elastic response, and the two unloadings from beyond 0.02
+    found = scan(law, [0.02, 0.01, 0.02])
+    assert found.force[0] == found.force[2]
+    assert not found.dissipated_energy.any()
+
+
 def test_without_a_contact_radius_it_says_so():
     law = from_curve(replace(CURVE, contact_radius=None))
     assert np.isnan(scan(law, [0.1, 0.0999]).contact_radius).all()
