@@ -64,7 +64,9 @@ class Material:
         """Nodal forces (dofs) and the band matrix."""
         b = self.body
         forces, band = np.empty(b.dofs), np.empty(b.band_shape)
-        assert assemble(displacement, b.cells, b.gradients, b.hoops, b.volumes, self.history, self.moduli, b.slots, forces, band.reshape(-1))
+        assert assemble(
+            displacement, b.cells, b.gradients, b.hoops, b.volumes, self.history, self.moduli, b.slots, forces, band.reshape(-1)
+        )
         return forces, band
 
     def element(self, displacement: FloatArray, e: int) -> tuple[FloatArray, FloatArray]:

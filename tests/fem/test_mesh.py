@@ -133,7 +133,9 @@ def test_prescribed_displacements_in_the_band():
     """Two right-hand sides, three prescribed components, against dense elimination."""
     rng = np.random.default_rng(5)
     size, half = 12, 3
-    dense = np.where(np.abs(np.subtract.outer(np.arange(size), np.arange(size))) <= half, rng.standard_normal((size, size)), 0.0) + 6.0 * np.eye(size)
+    dense = np.where(
+        np.abs(np.subtract.outer(np.arange(size), np.arange(size))) <= half, rng.standard_normal((size, size)), 0.0
+    ) + 6.0 * np.eye(size)
     rhs, fixed, values = rng.standard_normal((size, 2)), np.array([0, 5, 11]), rng.standard_normal((3, 2))
     band = np.zeros((size, 3 * half + 1))
     for column in range(size):

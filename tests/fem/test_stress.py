@@ -128,7 +128,9 @@ def test_volumetric_energy_is_the_work_of_the_pressure(dilatation: float):
     """K (J ln J - J + 1) is the integral of K ln J; by Gauss-Legendre on 20 points, exact to round-off here."""
     x, w = np.polynomial.legendre.leggauss(20)
     half = 0.5 * (dilatation - 1.0)
-    assert volumetric_energy(4.0, dilatation) == pytest.approx(float((4.0 * np.log(1.0 + half * (1.0 + x)) * w).sum() * half), rel=1e-9, abs=1e-16)
+    assert volumetric_energy(4.0, dilatation) == pytest.approx(
+        float((4.0 * np.log(1.0 + half * (1.0 + x)) * w).sum() * half), rel=1e-9, abs=1e-16
+    )
 
 
 def test_volumetric_energy_has_no_seam():
