@@ -86,7 +86,7 @@ def von_mises(stress: FloatArray) -> FloatArray:
 
 
 def slope(function: Callable[[float], FloatArray], step: float = 5e-4) -> FloatArray:
-    """Derivative at 0 by central differences with three steps, extrapolated: error of sixth order, about 1e-11 of a smooth function here."""
+    """Derivative at 0 by central differences with three steps, extrapolated: sixth order, good to about 1e-11 here."""
     d = [(function(h) - function(-h)) / (2.0 * h) for h in (step, step / 2.0, step / 4.0)]
     first = [(4.0 * d[1] - d[0]) / 3.0, (4.0 * d[2] - d[1]) / 3.0]
     return (16.0 * first[1] - first[0]) / 15.0

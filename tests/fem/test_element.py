@@ -60,7 +60,7 @@ def test_elastic_tangent_is_the_derivative_of_the_forces(displacement: FloatArra
 @thorough
 @given(displacements, st.sampled_from([PLASTIC, NEARLY_INCOMPRESSIBLE]))
 def test_plastic_tangent_is_the_derivative_of_the_forces(displacement: FloatArray, moduli: Moduli):
-    """A third of the height squeezed out puts every point far beyond yield; on top of it a random displacement, and one more with history."""
+    """A third of the height squeezed out puts every point beyond yield; on top a random displacement, then another with that history."""
     material = Material(BODY, moduli)
     for u in (SQUEEZED + 0.3 * displacement, SQUEEZED * 1.3 - 0.3 * displacement):
         for e in range(4):
@@ -124,7 +124,7 @@ def test_patch_homogeneous_stretch(radial: float, axial: float):
 def test_axial_translation_changes_nothing(displacement: FloatArray, lift: float):
     assume(sound(displacement))
     material = Material(BODY, ELASTIC)
-    still, moved = material.forces(displacement), material.forces(displacement + [0.0, lift])
+    still, moved = material.forces(displacement), material.forces(displacement + np.array([0.0, lift]))
     # round-off of a lift of 10 in strains, times the moduli
     np.testing.assert_allclose(moved, still, rtol=0, atol=1e-12)
     np.testing.assert_allclose(still[:, 1].sum(), 0.0, atol=1e-13)  # internal forces have no axial resultant

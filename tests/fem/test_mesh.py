@@ -61,7 +61,7 @@ def test_no_element_is_folded(m: int, core: float, aspect: float, along: float):
 @some
 @given(divisions, cores, aspects)
 def test_boundary_nodes(m: int, core: float, aspect: float):
-    """Axis, mid-plane and surface hold exactly the nodes that lie on them and are together the whole boundary; the surface starts at the pole."""
+    """Axis, mid-plane and surface hold exactly the nodes that lie on them, together the whole boundary; the surface starts at the pole."""
     section = spheroid(m, core, aspect)
     r, z = section.mesh.p
     assert set(section.axis) == set(np.flatnonzero(r == 0.0))
@@ -83,7 +83,7 @@ def test_right_angles_where_boundaries_meet(aspect: float):
         section = spheroid(m, 0.1, aspect)
         _, angle = corners(section)
         ends = [section.surface[0], section.surface[-1], np.flatnonzero((section.mesh.p == 0.0).all(axis=0))[0]]
-        at = [angle[section.mesh.t.T == node] for node in ends]
+        at = [angle[np.equal(section.mesh.t.T, node)] for node in ends]
         assert all(a.size == 1 for a in at)
         errors.append(np.abs(np.concatenate(at) - 90.0).max())
     assert errors[1] < 0.6 * errors[0]
@@ -112,7 +112,7 @@ def test_elements_are_as_fine_as_their_distance_from_the_pole_asks():
 @some
 @given(divisions, cores, st.sampled_from([1.0, 2.0]))
 def test_band_is_as_narrow_as_two_rings(m: int, core: float, along: float):
-    """Nodes in layers around the pole: coupling reaches no further than a layer and its neighbours (2 m + 1 nodes each), two components a node."""
+    """Nodes in layers around the pole: coupling reaches no further than the next layer (2 m + 1 nodes each, two components a node)."""
     body = discretise(spheroid(m, core, 1.0, along))
     assert body.half_bandwidth <= 2 * (2 * m + 4) + 1
     assert body.slots.min() >= 0

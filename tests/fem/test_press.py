@@ -42,7 +42,7 @@ def first_yield_of_a_paraboloid(material: Material, aspect: float = 1.0) -> floa
 @compiled_only
 @pytest.mark.parametrize("nu", [0.3, 0.45])
 def test_hertz_at_small_overlap(nu: float):
-    """Within 0.3 %. At nu = 0 finite size takes 0.25 % off at this overlap already: the verification goes to 1e-7 there, on a finer mesh."""
+    """Within 0.3 %. At nu = 0 finite size takes 0.25 % off at this overlap already: the verification goes to 1e-7 there."""
     overlap = 1e-5
     curve = press(Material(1000.0, nu), max_overlap=overlap)
     assert over_hertz(curve) == pytest.approx(1.0, abs=0.003)

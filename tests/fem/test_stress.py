@@ -64,8 +64,8 @@ def confined(stretch: float) -> FloatArray:
 def test_confined_compression_and_release(steps: int):
     """Closed form at finite strain: elastic, plastic with the true stress on yield, elastic release, plastic release; any number of steps.
 
-    With stretch s (= J): axial stress K ln s + 2/3 d, across K ln s - 1/3 d; difference d = 2 G ln s / s until it reaches -Y, then -Y; after turning at s0,
-    d = (-s0 Y + 2 G ln(s/s0))/s until it reaches Y.
+    With stretch s (= J): axial stress K ln s + 2/3 d, across K ln s - 1/3 d; the difference d is 2 G ln s / s until it reaches -Y, then -Y;
+    after turning at s0, d = (-s0 Y + 2 G ln(s/s0))/s until it reaches Y.
     """
     bulk, shear, flow = PLASTIC
     material = Material(BODY, PLASTIC)
