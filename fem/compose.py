@@ -36,9 +36,14 @@ class Scales(NamedTuple):
         return self.stress * self.length**3
 
 
+def rows_with(run: Walk, nodes: int) -> int:
+    """How many of the landing rows have no more than `nodes` surface nodes at rest."""
+    return int(np.count_nonzero(run.landing_resting <= nodes))
+
+
 def first_row(fine: Walk, coarse: Walk, divisions: int) -> float:
     """Smallest overlap reported: the contact covers the core on both meshes."""
-    return float(max(fine.landing_overlap[divisions - 1], coarse.landing_overlap[divisions // 2 - 1]))
+    return float(max(run.landing_overlap[rows_with(run, m)] for run, m in ((fine, divisions), (coarse, divisions // 2))))
 
 
 def _row_overlaps(fine: Walk, first: float, last: float) -> FloatArray:
@@ -89,8 +94,8 @@ def compose(
     last = min(largest, *(w.landing_overlap[-1] if w.stopped else largest for w in (fine, coarse)))
     branches = [(f, c) for f, c in zip(fine.branches, coarse.branches, strict=False) if f.overlap[0] <= last]
     overlap = _row_overlaps(fine._replace(branches=tuple(f for f, _ in branches)), first_row(fine, coarse, divisions), last)
-    own = readout.loading(fine, overlap, divisions // 2)
-    rows = readout.extrapolated(own, readout.loading(coarse, overlap, divisions // 4))
+    own = readout.loading(fine, overlap, rows_with(fine, divisions // 2 + 1))
+    rows = readout.extrapolated(own, readout.loading(coarse, overlap, rows_with(coarse, divisions // 4 + 1)))
     unloads = []
     for f, _ in branches:
         k = int(np.argmin(np.abs(overlap - f.overlap[0])))

@@ -15,7 +15,7 @@ from contactlaws.errors import InputError, Problem, require
 from contactlaws.material import Material, problems_with
 from contactlaws.version import code_version
 from fem.assembly import Discretisation, discretise
-from fem.compose import compose, first_row
+from fem.compose import compose, first_row, rows_with
 from fem.fields import field_writer
 from fem.first_yield import resolved, small_run
 from fem.march import Steps
@@ -158,6 +158,6 @@ def _part(progress: Progress | None, low: float, high: float, name: str) -> Prog
 
 def _enough(fine: Walk, coarse: Walk, divisions: int) -> None:
     """A run that stopped before the contact was resolved is worth nothing."""
-    for run, needed in ((fine, divisions + 3), (coarse, divisions // 2 + 3)):
-        if run.landing_overlap.size < needed:
+    for run, nodes in ((fine, divisions), (coarse, divisions // 2)):
+        if run.landing_overlap.size < rows_with(run, nodes) + 4:
             raise InputError(Problem("overlap", run.landing_overlap[-1:].tolist(), f"the solver stopped there: {run.stopped}", "ask for a smaller overlap"))

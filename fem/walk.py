@@ -30,12 +30,17 @@ class Branch(NamedTuple):
 
 
 class Walk(NamedTuple):
-    """A run. Landing rows hold the instants at which a node lands; path rows every converged loading state."""
+    """A run. Landing rows hold the instants at which a node lands, path rows every converged loading state.
+
+    If several nodes touch from the start (a flat top), all is smooth until the first landing, and the states up to there are landing rows too.
+    """
 
     landing_overlap: FloatArray
     landing_stored: FloatArray
     landing_dissipated: FloatArray
     landing_radius: FloatArray  # deformed radius of the node that lands
+    landing_resting: FloatArray  # surface nodes that rest from then on
+    touching: int  # surface nodes that rest from the start
     path_overlap: FloatArray
     path_force: FloatArray
     branches: tuple[Branch, ...]
@@ -78,25 +83,33 @@ class _Recorder:
 
     def __init__(self, body: Discretisation):
         self.body = body
-        self.landing: list[tuple[float, float, float, float]] = []
+        self.landing: list[tuple[float, float, float, float, float]] = []
         self.path: list[tuple[float, float]] = []
         self.branches: list[Branch] = []
         self.yielded: tuple[float, tuple[float, float]] | None = None
+        self.touching = 0
 
     def interval(self, place: int, states: Sequence[State]) -> None:
         """Take over the states from one landing (first, already known) to the next (last)."""
         for before, after in zip(states[:-1], states[1:], strict=True):
             self.path.append((after.overlap, after.force))
             self.yielded = self.yielded or _first_yield(self.body, before, after)
-        node, end = self.body.section.surface[place], states[-1]
-        radius = float(self.body.section.mesh.p[0, node] + end.displacement[node, 0])
-        self.landing.append((end.overlap, end.stored, end.dissipated, radius))
+        if not self.landing:
+            self.touching = place
+            for state in states[1:-1] if place > 1 else ():
+                self._row(place - 1, state, place)
+        self._row(place, states[-1], place + 1)
+
+    def _row(self, place: int, state: State, resting: int) -> None:
+        node = self.body.section.surface[place]
+        radius = float(self.body.section.mesh.p[0, node] + state.displacement[node, 0])
+        self.landing.append((state.overlap, state.stored, state.dissipated, radius, float(resting)))
 
     def walk(self, stopped: str | None, statistics: Statistics) -> Walk:
         """The finished record."""
-        landing, path = np.array(self.landing).reshape(-1, 4).T, np.array(self.path).reshape(-1, 2).T
+        landing, path = np.array(self.landing).reshape(-1, 5).T, np.array(self.path).reshape(-1, 2).T
         place = self.yielded or (None, None)
-        return Walk(*landing, *path, tuple(self.branches), *place, stopped, statistics)
+        return Walk(*landing, self.touching, *path, tuple(self.branches), *place, stopped, statistics)
 
 
 def balance(run: Walk) -> float:
@@ -105,7 +118,8 @@ def balance(run: Walk) -> float:
     The force is integrated by a cubic through each three neighbouring intervals of the path that hold no landing inside.
     """
     overlap, force = np.concatenate([[0.0], run.path_overlap]), np.concatenate([[0.0], run.path_force])
-    ends = np.concatenate([[0], np.searchsorted(overlap, run.landing_overlap)])
+    landed = run.landing_overlap[run.landing_resting > run.touching]
+    ends = np.concatenate([[0], np.searchsorted(overlap, landed)])
     work = 0.0
     for a, b in zip(ends[:-1], ends[1:], strict=True):
         x, y = overlap[a : b + 1], force[a : b + 1]
