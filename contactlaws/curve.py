@@ -93,11 +93,15 @@ def _problems(curve: Curve) -> Iterator[Problem]:
             row = int(np.flatnonzero(~np.isfinite(value))[0])
             yield Problem(f"{name}[row {row}]", float(value[row]), "must be finite", "remove or repair the row")
     if curve.branch.shape == (size,) and (curve.branch[0] != 0 or not np.isin(np.diff(curve.branch), (0, 1)).all()):
-        yield Problem("branch", curve.branch.tolist()[:8], "must start at 0 and go up by 0 or 1", "order the rows along the path: loading, then each unloading")
+        yield Problem(
+            "branch",
+            curve.branch.tolist()[:8],
+            "must start at 0 and go up by 0 or 1",
+            "order the rows along the path: loading, then each unloading",
+        )
     for name in ("radius", "aspect"):
         value = getattr(curve, name)
         if not (np.isfinite(value) and value > 0):
             yield Problem(name, value, "must be positive", "give it in metres" if name == "radius" else "1 is a sphere")
-    if curve.overlap.shape == curve.branch.shape:
-        if np.any(np.diff(curve.overlap[curve.branch == 0]) <= 0):
-            yield Problem("overlap", "decreases", "must increase along the loading (branch 0)", "give unloadings their own branch numbers")
+    if curve.overlap.shape == curve.branch.shape and np.any(np.diff(curve.overlap[curve.branch == 0]) <= 0):
+        yield Problem("overlap", "decreases", "must increase along the loading (branch 0)", "give unloadings their own branch numbers")

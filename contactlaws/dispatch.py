@@ -56,7 +56,9 @@ def law_of(record: object) -> Law:
     """The registered law of a parameter record (or of its type); raises `InputError` if there is none."""
     found = _LAWS.get(record if isinstance(record, type) else type(record))
     if found is None:
-        raise InputError(Problem("law", type(record).__name__, f"is no registered law ({', '.join(laws())})", "call contactlaws.register first"))
+        raise InputError(
+            Problem("law", type(record).__name__, f"is no registered law ({', '.join(laws())})", "call contactlaws.register first")
+        )
     return found
 
 

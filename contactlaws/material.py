@@ -45,7 +45,9 @@ def problems_with(material: Material) -> Iterator[Problem]:
         if value is None and name != "youngs_modulus":
             continue
         if value is None or not (math.isfinite(value) and value > 0.0):
-            yield Problem(name, value, f"{symbol} must be a positive finite number", "give it in SI units, or with a unit such as '142 GPa'")
+            yield Problem(
+                name, value, f"{symbol} must be a positive finite number", "give it in SI units, or with a unit such as '142 GPa'"
+            )
     nu = material.poissons_ratio
     if nu is None or not 0.0 <= nu < 0.5:
         yield Problem("poissons_ratio", nu, "must lie in [0, 0.5)", "for a nearly incompressible body use 0.49")

@@ -1,6 +1,6 @@
 """From one body on a rigid flat to a pair: the only place where the two conventions meet.
 
-Two equal spheres of radius R that approach by `overlap` are each a body on a flat at overlap/2. Spheres of the same material and radii R1, R2
+Two equal spheres of radius R that approach by `overlap` are each a body on a flat at overlap/2. Spheres of one material and radii R1, R2
 meet like two equal spheres of radius 2 R1 R2/(R1 + R2): exact for Hertz and for plasticity that is small against the radius. A law belongs
 to a body of radius `law.radius`; another radius is reached by scaling lengths by s, forces by s^2, energies by s^3 (no material length).
 """

@@ -30,8 +30,23 @@ def forget(law, scale, memory, row):  # type: ignore[no-untyped-def]
 
 @kernel
 def pair_forces(  # type: ignore[no-untyped-def]
-    law, position, velocity, radius, one_radius, lengths, strain_rate, dt,
-    start, partner, image, images, memory, magnitude, force, virial, tally,
+    law,
+    position,
+    velocity,
+    radius,
+    one_radius,
+    lengths,
+    strain_rate,
+    dt,
+    start,
+    partner,
+    image,
+    images,
+    memory,
+    magnitude,
+    force,
+    virial,
+    tally,
 ):
     """Forces in N on all particles, shape (n, 3), from one pass over the half list. It is long because it is the loop that costs.
 
@@ -128,4 +143,3 @@ def audit(law, position, radius, one_radius, lengths, start, partner, image, ima
                 pressure[i] += 0.5 * magnitude[row] * distance
                 pressure[j] += 0.5 * magnitude[row] * distance
     return stored, dissipated, beyond
-

@@ -95,8 +95,23 @@ def outrun(position, origin, lengths, old_lengths, skin, widest):  # type: ignor
 
 @kernel
 def advance(  # type: ignore[no-untyped-def]
-    law, deformation, step, steps, drifted, position, velocity, mass, radius, one_radius, widest,
-    pairs, memory, magnitude, force, virial, tally,
+    law,
+    deformation,
+    step,
+    steps,
+    drifted,
+    position,
+    velocity,
+    mass,
+    radius,
+    one_radius,
+    widest,
+    pairs,
+    memory,
+    magnitude,
+    force,
+    virial,
+    tally,
 ):
     """Take `steps` steps from number `step` of a stage, or fewer if the pair list no longer holds.
 

@@ -24,8 +24,13 @@ def dump_text(frame: Frame, step: int) -> str:
     lines = [
         f"{number} 1 {x!r} {y!r} {z!r} {vx!r} {vy!r} {vz!r} {radius!r} {contacts} {pressure!r}\n"
         for number, (x, y, z), (vx, vy, vz), radius, contacts, pressure in zip(
-            frame.id.tolist(), wrapped(frame.position, frame.box).tolist(), frame.velocity.tolist(), frame.radius.tolist(),
-            frame.contacts.tolist(), frame.pressure.tolist(), strict=True,
+            frame.id.tolist(),
+            wrapped(frame.position, frame.box).tolist(),
+            frame.velocity.tolist(),
+            frame.radius.tolist(),
+            frame.contacts.tolist(),
+            frame.pressure.tolist(),
+            strict=True,
         )
     ]
     return f"{head}ITEM: BOX BOUNDS {faces}\n{bounds}ITEM: ATOMS {DUMP_COLUMNS}\n{''.join(lines)}"

@@ -58,7 +58,7 @@ def discretise(section: Section) -> Discretisation:
     mesh = section.mesh
     basis = Basis(mesh, ElementQuad1(), intorder=3)
     places = np.moveaxis(np.asarray(basis.global_coordinates()), 0, -1)
-    shape = np.stack([np.broadcast_to(np.asarray(b[0].value), places.shape[:2]) for b in basis.basis], axis=-1)
+    shape = np.stack([np.broadcast_to(np.asarray(b[0]), places.shape[:2]) for b in basis.basis], axis=-1)
     gradients = np.stack([np.moveaxis(np.asarray(b[0].grad), 0, -1) for b in basis.basis], axis=2)
     radius = places[..., 0]
     cells = np.ascontiguousarray(mesh.t.T.astype(np.int64))

@@ -14,7 +14,7 @@ from fem.first_yield import FirstYield
 from fem.mesh import FloatArray
 from fem.walk import Branch, Walk
 
-#: a value is taken to be wrong by this share of the difference between the meshes (unloading) or of what the extrapolation changed (loading)
+#: a value is taken to be wrong by this share of the meshes' difference (unloading) or of what the extrapolation changed (loading)
 SHARE_LEFT = 0.5
 #: no error estimate is smaller: what two element formulations differ by
 SMALLEST_ERROR = 5e-4

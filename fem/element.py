@@ -103,7 +103,9 @@ def element(displacement, nodes, gradients, hoops, volumes, history, moduli, for
             t3 = volume * (tangent[0, 3] * b_matrix[0, a] + tangent[3, 3] * b_matrix[3, a] + tangent[4, 3] * b_matrix[4, a])
             t4 = volume * (tangent[0, 4] * b_matrix[0, a] + tangent[3, 4] * b_matrix[3, a] + tangent[4, 4] * b_matrix[4, a])
             for j in range(8):
-                stiffness[a, j] += t0 * b_matrix[0, j] + t1 * b_matrix[1, j] + t2 * b_matrix[2, j] + t3 * b_matrix[3, j] + t4 * b_matrix[4, j]
+                stiffness[a, j] += (
+                    t0 * b_matrix[0, j] + t1 * b_matrix[1, j] + t2 * b_matrix[2, j] + t3 * b_matrix[3, j] + t4 * b_matrix[4, j]
+                )
     for a in range(8):
         force[a] += mean_stress * spread[0, a]
         row = (slope * spread[0, a] + spread[1, a]) / undeformed
@@ -114,7 +116,7 @@ def element(displacement, nodes, gradients, hoops, volumes, history, moduli, for
 
 @kernel
 def assemble(displacement, cells, gradients, hoops, volumes, history, moduli, slots, forces, band):  # type: ignore[no-untyped-def]
-    """Sum all elements into nodal forces (dofs) and the band matrix (flat, `slots` says where each entry goes); False if one is inside out."""
+    """Sum all elements into nodal forces (dofs) and the flat band matrix (entries go to `slots`); False if one is inside out."""
     force, stiffness = np.empty(8), np.empty((8, 8))
     tangent, b_matrix, spread = np.empty((5, 5)), np.zeros((5, 8)), np.empty((2, 8))
     forces[:] = 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import meshio
@@ -15,7 +16,7 @@ from fem.walk import Visitor
 
 
 def contact_pressure(body: Discretisation, state: State) -> FloatArray:
-    """Pressure at the surface nodes, over the stress unit: the flat's force on a node over the area that is the node's share of the surface."""
+    """Pressure at the surface nodes, over the stress unit: the flat's force on a node over the node's share of the surface."""
     surface = body.section.surface
     radius = body.section.mesh.p[0, surface] + state.displacement[surface, 0]
     # integral of 2 pi r times the node's hat function, r linear between nodes
@@ -55,7 +56,7 @@ def field_writer(body: Discretisation, stress: float, length: float, folder: Pat
 
     def visit(overlap: float, states: list[State]) -> None:
         for name, state in (("loading", states[0]), ("unloaded", states[-1])):
-            mesh = to_meshio(body, state, length, stress)
-            write_atomically(folder / f"{name}_D{overlap:.4f}.vtu", lambda file, mesh=mesh: mesh.write(file, file_format="vtu"))
+            write = partial(to_meshio(body, state, length, stress).write, file_format="vtu")
+            write_atomically(folder / f"{name}_D{overlap:.4f}.vtu", write)
 
     return visit

@@ -13,7 +13,7 @@ from fem.newton import Moduli
 from fem.readout import WORK_SHARE, extrapolate
 from fem.walk import Walk, walk
 
-#: largest pressure over yield stress at first yield of a parabolic body, about (exact: 1.30 at nu = 0 to 1.81 at nu = .45); sizes the mesh only
+#: largest pressure over yield stress at first yield, about (exact: 1.30 at nu = 0 to 1.81 at nu = .45); sizes the mesh only
 PRESSURE_AT_YIELD = 1.6
 DIVISIONS = 8
 

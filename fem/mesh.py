@@ -1,8 +1,8 @@
 """Structured quadrilateral mesh of the meridian section, with element size proportional to the distance from the pole.
 
-The bipolar (Moebius) map z + ir = conj((1 - w)/(1 + w)) takes the quarter unit disc in w to a quarter of the unit disc: the pole is w = 0, the
-mid-plane |w| = 1, the axis arg w = 0, the surface arg w = pi/2, and all corners stay right angles. Log-polar cells in w around a small
-O-grid core therefore give every contact radius the same number of elements.
+The bipolar (Moebius) map z + ir = conj((1 - w)/(1 + w)) takes the quarter unit disc in w to a quarter of the unit disc: the pole is
+w = 0, the mid-plane |w| = 1, the axis arg w = 0, the surface arg w = pi/2, and all corners stay right angles. Log-polar cells in w
+around a small O-grid core therefore give every contact radius the same number of elements.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ def _core(divisions: int) -> tuple[FloatArray, IntArray]:
 def spheroid(divisions: int, core: float, aspect: float = 1.0, along: float = 1.0) -> Section:
     """Section of a spheroid of half height 1 and equatorial radius `aspect`.
 
-    divisions: elements across the core, half of those across the quarter circle; core: radius of the O-grid core over the half height, about the
-    smallest contact radius to be resolved; along: rings per square cell (2: cells half as long along the surface as they are deep).
+    divisions: elements across the core, half of those across the quarter circle. core: radius of the O-grid core over the half height,
+    about the smallest contact radius to be resolved. along: rings per square cell (2: cells half as long along the surface as deep).
     """
     m = divisions
     core_w = 0.5 * core
@@ -84,4 +84,6 @@ def spheroid(divisions: int, core: float, aspect: float = 1.0, along: float = 1.
     points[0, axis_nodes] = 0.0
     points[1, midplane] = 0.0
     mesh = MeshQuad(points, np.ascontiguousarray(np.concatenate(cells, axis=1)))
-    return Section(mesh, axis_nodes, midplane, np.concatenate(surface), f"bipolar {m} x {rings} rings, core {core:.3g}, aspect {aspect:.6g}")
+    return Section(
+        mesh, axis_nodes, midplane, np.concatenate(surface), f"bipolar {m} x {rings} rings, core {core:.3g}, aspect {aspect:.6g}"
+    )

@@ -1,6 +1,6 @@
 """One equilibrium: Newton's method merged with an active set of surface nodes that rest on the flat.
 
-The flat is a plane, so a node in contact simply has its axial displacement prescribed: no penalty. A step is controlled either by the overlap
+The flat is a plane, so a node in contact simply has its axial displacement prescribed: no penalty. A step is controlled by the overlap
 (`ByOverlap`) or by the gap of one surface node with the overlap unknown (`ByGap`): with gap 0 the state found is the very instant at
 which that node lands or leaves, with zero force on it.
 """
@@ -175,13 +175,23 @@ class Equilibrium:
         free[self.surface_dofs[active]] = 0.0
         return float(np.linalg.norm(free))
 
-    def _violations(self, displacement: FloatArray, active: npt.NDArray[np.bool_], scale: float) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    def _violations(
+        self, displacement: FloatArray, active: npt.NDArray[np.bool_], scale: float
+    ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
         """Nodes that have gone through the flat, and nodes that it would have to pull."""
         through = ~active & (self.gaps(displacement) < -1e-10)
         pulled = active & (self.forces[self.surface_dofs] > RESIDUAL * scale)
         return through, pulled
 
-    def step(self, start: State, control: ByOverlap | ByGap, largest_force: float = 0.0, guess: Guess | None = None, free: int | None = None, contact: bool = True) -> State:
+    def step(
+        self,
+        start: State,
+        control: ByOverlap | ByGap,
+        largest_force: float = 0.0,
+        guess: Guess | None = None,
+        free: int | None = None,
+        contact: bool = True,
+    ) -> State:
         """The equilibrium that `control` asks for, from `start`; raises `NoEquilibrium`."""
         displacement, overlap, active = start.displacement.copy(), start.overlap, start.active.copy()
         if guess is not None:
@@ -237,7 +247,17 @@ class Equilibrium:
         b = self.body
         history, plastic, stress = np.empty_like(start.history), np.empty_like(start.plastic_strain), np.empty_like(start.stress)
         stored, dissipated, ratio, element, point = advance(
-            displacement, b.cells, b.gradients, b.hoops, b.volumes, start.history, self.moduli, history, start.plastic_strain, plastic, stress
+            displacement,
+            b.cells,
+            b.gradients,
+            b.hoops,
+            b.volumes,
+            start.history,
+            self.moduli,
+            history,
+            start.plastic_strain,
+            plastic,
+            stress,
         )
         self.statistics.steps += 1
         reaction = np.where(active, self.forces[self.surface_dofs], 0.0)

@@ -48,15 +48,21 @@ def resolution_for(tolerance: float) -> Resolution:
     for promised, resolution in RESOLUTIONS:
         if promised <= tolerance:
             return resolution
-    raise InputError(Problem("tolerance", tolerance, f"the finest on offer is {RESOLUTIONS[-1][0]}", f"ask for {RESOLUTIONS[-1][0]} or more"))
+    raise InputError(
+        Problem("tolerance", tolerance, f"the finest on offer is {RESOLUTIONS[-1][0]}", f"ask for {RESOLUTIONS[-1][0]} or more")
+    )
 
 
-def _problems(material: Material, radius: float, aspect: float, unload_from: Sequence[float], max_overlap: float | None) -> Iterator[Problem]:
+def _problems(
+    material: Material, radius: float, aspect: float, unload_from: Sequence[float], max_overlap: float | None
+) -> Iterator[Problem]:
     yield from problems_with(material)
     for name, value, low, high in (("radius", radius, 0.0, math.inf), ("aspect", aspect, 0.0999, 10.001)):
         if not (math.isfinite(value) and low < value < high):
             bound = "must be a positive length" if name == "radius" else "must lie between 0.1 and 10"
-            yield Problem(name, value, bound, "give metres" if name == "radius" else "aspect is equatorial over axial semi-axis; 1 is a sphere")
+            yield Problem(
+                name, value, bound, "give metres" if name == "radius" else "aspect is equatorial over axial semi-axis; 1 is a sphere"
+            )
     for name, overlaps in (("unload_from", unload_from), ("max_overlap", () if max_overlap is None else (max_overlap,))):
         for value in overlaps:
             if not 0.0 < value < 1.0:
@@ -89,7 +95,8 @@ def press(
 ) -> Curve:
     """Reference curve of a sphere (or spheroid) of `material` (SI), `radius` (m) being half its height, `aspect` its width over its height.
 
-    unload_from, max_overlap: overlap over radius; the loading goes to the largest of them. tolerance: on the mean force, chooses mesh and steps.
+    unload_from, max_overlap: overlap over radius; the loading goes to the largest of them. tolerance: on the mean force; chooses mesh and
+    steps.
     fields: folder for the deformed body with stress and plastic strain (.vtu) at the beginning and end of each unloading.
     Raises `InputError` for what cannot be computed. If the solver gives up on the way, the curve up to there comes back with `stopped` set.
 
@@ -100,7 +107,7 @@ def press(
     """
     require(_problems(material, radius, aspect, unload_from, max_overlap))
     resolution = resolution_for(tolerance)
-    unload_from = sorted(set(float(d) for d in unload_from))
+    unload_from = sorted({float(d) for d in unload_from})
     largest = max([*unload_from, *(() if max_overlap is None else (float(max_overlap),))])
     core = core_size(largest, min([largest, *unload_from]))
 
@@ -160,4 +167,8 @@ def _enough(fine: Walk, coarse: Walk, divisions: int) -> None:
     """A run that stopped before the contact was resolved is worth nothing."""
     for run, nodes in ((fine, divisions), (coarse, divisions // 2)):
         if run.landing_overlap.size < rows_with(run, nodes) + 4:
-            raise InputError(Problem("overlap", run.landing_overlap[-1:].tolist(), f"the solver stopped there: {run.stopped}", "ask for a smaller overlap"))
+            raise InputError(
+                Problem(
+                    "overlap", run.landing_overlap[-1:].tolist(), f"the solver stopped there: {run.stopped}", "ask for a smaller overlap"
+                )
+            )

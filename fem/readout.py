@@ -5,7 +5,7 @@ one); the force is the derivative of a spline through the logarithm of that work
 A mesh half as fine says what is left: elements are proportional to the distance from the pole and steps to the elements, so a quantity has
 the same order of error at every overlap, and a fixed share of the difference between the meshes removes most of it. The shares are set by
 the orders measured over materials from elastic to E/Y = 1000 and overlaps to 0.45: 1.2 to 1.7 for the work, 1 for the contact radius (whose
-edge lies between two nodes). The recovered overlap scatters with the place of the edge between its nodes, without an order: it is left alone.
+edge lies between two nodes). The recovered overlap scatters with the edge's place between its nodes, without an order: it is left alone.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fem.mesh import FloatArray
 from fem.walk import Branch, Walk
-
 
 WORK_SHARE = 0.6  # order 1.4
 EDGE_SHARE = 1.0  # order 1
@@ -83,8 +82,12 @@ def extrapolate(fine: FloatArray | float, coarse: FloatArray | float, share: flo
 
 def extrapolated(fine: Loading, coarse: Loading) -> Loading:
     """Loading columns with most of their mesh error removed."""
-    shares = Loading(force=WORK_SHARE, contact_radius=EDGE_SHARE, stored=WORK_SHARE, dissipated=WORK_SHARE)
-    return Loading(*(extrapolate(*columns) for columns in zip(fine, coarse, shares, strict=True)))
+    return Loading(
+        force=extrapolate(fine.force, coarse.force, WORK_SHARE),
+        contact_radius=extrapolate(fine.contact_radius, coarse.contact_radius, EDGE_SHARE),
+        stored=extrapolate(fine.stored, coarse.stored, WORK_SHARE),
+        dissipated=extrapolate(fine.dissipated, coarse.dissipated, WORK_SHARE),
+    )
 
 
 def exponent(branch: Branch | Unloading) -> float:

@@ -1,14 +1,13 @@
 """Stress and tangent at one point: Hencky elasticity of the deviator, von Mises yield on the Cauchy stress, closed-form radial return.
 
 Stored energy per undeformed volume: K (J ln J - J + 1) + G |dev eps|^2 with the elastic Hencky strain eps = 1/2 ln b, hence the Cauchy
-pressure -K ln J and the Kirchhoff deviator 2 G dev eps. Yield: the Cauchy von Mises stress reaches Y, i.e. q of the Kirchhoff deviator reaches J Y.
+pressure -K ln J and the Kirchhoff deviator 2 G dev eps. Yield: the Cauchy von Mises stress reaches Y, so q of the Kirchhoff
+deviator reaches J Y.
 """
 
 from __future__ import annotations
 
 import math
-
-import numpy as np
 
 from contactlaws.compiled import kernel
 
@@ -56,8 +55,9 @@ def radial_return(e1, e2, e3, shear_modulus, flow_stress):  # type: ignore[no-un
 def principal_tangent(tangent, b1, b2, s1, s2, s3, ratio, shear_modulus, pressure_volume):  # type: ignore[no-untyped-def]
     """Fill the 5 x 5 tangent of the virtual work at fixed mean dilatation, per undeformed volume, in the principal axes.
 
-    Rows and columns: virtual and actual displacement gradient (11, 12, 21, 22, hoop). It holds the derivative of the Kirchhoff deviator, the
-    rotation of its axes, the geometric term -tau (dl Dl), and the mean pressure's part `pressure_volume` = p J (tr tr - dl : Dl^T).
+    Rows and columns: virtual and actual displacement gradient (11, 12, 21, 22, hoop). It holds the derivative of the Kirchhoff
+    deviator, the rotation of its axes, the geometric term -tau (dl Dl), and the mean pressure's part `pressure_volume` = p J
+    (tr tr - dl : Dl^T).
     """
     tangent[:, :] = 0.0
     plastic = ratio < 1.0
@@ -100,5 +100,3 @@ def volumetric_energy(bulk_modulus, dilatation):  # type: ignore[no-untyped-def]
     if abs(x) < 1e-3:
         return bulk_modulus * x * x * (0.5 - x / 6.0 + x * x / 12.0 - x * x * x / 20.0 + x**4 / 30.0)
     return bulk_modulus * (dilatation * math.log(dilatation) - x)
-
-

@@ -32,7 +32,7 @@ class Branch(NamedTuple):
 class Walk(NamedTuple):
     """A run. Landing rows hold the instants at which a node lands, path rows every converged loading state.
 
-    If several nodes touch from the start (a flat top), all is smooth until the first landing, and the states up to there are landing rows too.
+    If several nodes touch from the start (a flat top), all is smooth up to the first landing: its states are landing rows too.
     """
 
     landing_overlap: FloatArray
@@ -62,9 +62,15 @@ def contact_edge(body: Discretisation, state: State) -> tuple[int, float]:
 
 
 def _branch(body: Discretisation, states: list[State]) -> Branch:
-    columns = [np.array([getattr(s, name) for s in states]) for name in ("overlap", "force", "stored", "dissipated")]
-    places, radii = zip(*(contact_edge(body, s) for s in states), strict=True)
-    return Branch(*columns, np.array(places), np.array(radii))
+    edges = [contact_edge(body, s) for s in states]
+    return Branch(
+        overlap=np.array([s.overlap for s in states]),
+        force=np.array([s.force for s in states]),
+        stored=np.array([s.stored for s in states]),
+        dissipated=np.array([s.dissipated for s in states]),
+        edge_place=np.array([place for place, _ in edges]),
+        edge_radius=np.array([radius for _, radius in edges]),
+    )
 
 
 def _first_yield(body: Discretisation, before: State, after: State) -> tuple[float, tuple[float, float]] | None:
@@ -108,8 +114,22 @@ class _Recorder:
     def walk(self, stopped: str | None, statistics: Statistics) -> Walk:
         """The finished record."""
         landing, path = np.array(self.landing).reshape(-1, 5).T, np.array(self.path).reshape(-1, 2).T
-        place = self.yielded or (None, None)
-        return Walk(*landing, self.touching, *path, tuple(self.branches), *place, stopped, statistics)
+        yield_overlap, yield_place = self.yielded or (None, None)
+        return Walk(
+            landing_overlap=landing[0],
+            landing_stored=landing[1],
+            landing_dissipated=landing[2],
+            landing_radius=landing[3],
+            landing_resting=landing[4],
+            touching=self.touching,
+            path_overlap=path[0],
+            path_force=path[1],
+            branches=tuple(self.branches),
+            yield_overlap=yield_overlap,
+            yield_place=yield_place,
+            stopped=stopped,
+            statistics=statistics,
+        )
 
 
 def balance(run: Walk) -> float:
@@ -159,7 +179,10 @@ def walk(
             last = path[-1]
             if progress:
                 done = min(1.0, last.overlap / max_overlap)
-                progress(0.5 * done**0.25 + 0.5 * done, f"overlap {min(last.overlap, max_overlap):.4g} of {max_overlap:.4g}, {len(record.branches)} unloadings")
+                progress(
+                    0.5 * done**0.25 + 0.5 * done,
+                    f"overlap {min(last.overlap, max_overlap):.4g} of {max_overlap:.4g}, {len(record.branches)} unloadings",
+                )
             beyond += last.overlap >= max_overlap
             if beyond >= LANDINGS_BEYOND:
                 break
