@@ -15,7 +15,7 @@ from contactlaws.material import Material
 from fem.assembly import Discretisation, discretise
 from fem.march import Steps, interval, landings, unload
 from fem.mesh import spheroid
-from fem.newton import ByOverlap, Equilibrium, NoEquilibrium, State
+from fem.newton import RESIDUAL, ByOverlap, Equilibrium, NoEquilibrium, State
 from fem.press import moduli_of, press
 from fem.walk import walk
 
@@ -36,17 +36,19 @@ def loaded(solver: Equilibrium, landed: int) -> Iterator[State]:
         yield from path
 
 
-def check_contact(solver: Equilibrium, state: State) -> None:
+def check_contact(solver: Equilibrium, state: State, largest_force: float) -> None:
     """Nothing through the flat, nothing pulled, supports held, and as much force above as below."""
     section = solver.body.section
     gaps = solver.gaps(state.displacement)
     # what the solver tolerates of penetration, over the half height
     assert gaps.min() > -2e-10
     np.testing.assert_allclose(gaps[state.active], 0.0, atol=1e-14)
-    assert state.reaction.max() <= 1e-8 * max(state.force, 1e-12)  # the flat pushes downwards; residual of the solver
+    # the flat pushes downwards; the solver leaves its residual of the largest force on each node
+    assert state.reaction.max() <= RESIDUAL * largest_force
     np.testing.assert_array_equal(state.displacement[section.axis, 0], 0.0)
     np.testing.assert_allclose(state.displacement[section.midplane, 1], state.overlap, rtol=1e-12, atol=1e-15)
-    assert -state.reaction.sum() == pytest.approx(state.force, rel=1e-6)  # the residual, summed over the nodes
+    # the same, summed over the nodes
+    assert -state.reaction.sum() == pytest.approx(state.force, rel=0, abs=np.sqrt(gaps.size * 10.0) * RESIDUAL * largest_force + 1e-15)
 
 
 @pytest.mark.parametrize("moduli", [ELASTIC, PLASTIC], ids=["elastic", "plastic"])
@@ -55,12 +57,12 @@ def test_contact_conditions_hold_on_the_whole_path(body: Discretisation, moduli:
     states = list(loaded(solver, 12))
     assert len(states) > 24
     for before, after in zip(states[:-1], states[1:], strict=True):
-        check_contact(solver, after)
+        check_contact(solver, after, after.force)
         assert after.overlap > before.overlap
         assert after.dissipated >= before.dissipated
     back = unload(solver, states[-1], Steps())
     for state in back[1:-1]:
-        check_contact(solver, state)
+        check_contact(solver, state, states[-1].force)
     free = back[-1]
     assert free.force == 0.0
     assert not free.active.any()
@@ -80,7 +82,7 @@ def test_elastic_unloading_ends_where_loading_began(body: Discretisation):
     solver = Equilibrium(body, ELASTIC)
     *_, last = loaded(solver, 12)
     free = unload(solver, last, Steps())[-1]
-    assert free.overlap == pytest.approx(0.0, abs=1e-8 * last.overlap)  # the residual
+    assert free.overlap == pytest.approx(0.0, abs=RESIDUAL * last.overlap)
     assert free.stored == pytest.approx(0.0, abs=1e-12 * last.stored)
     assert free.dissipated == 0.0
 
@@ -103,7 +105,7 @@ def test_tangent_stiffness_is_the_slope_of_the_unloading(body: Discretisation):
     *_, start, _ = loaded(solver, 12)  # between two landings, so that no node leaves at once
     step = 1e-6 * start.overlap
     back = solver.step(start, ByOverlap(start.overlap - step), start.force)
-    # the force is good to 1e-8 of itself, its difference over 1e-6 of the overlap to 1e-2 at worst; the contact changes little
+    # Newton is quadratic: its last step leaves far less of the force than RESIDUAL; the contact changes little
     assert solver.stiffness(start) == pytest.approx((start.force - back.force) / step, rel=0.02)
 
 
@@ -137,8 +139,8 @@ def test_failure_before_anything_is_resolved_says_so(monkeypatch: pytest.MonkeyP
 
 
 def test_newton_that_never_converges_ends(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("fem.newton.ITERATIONS", 2)
-    with pytest.raises(InputError, match="no convergence in 2 iterations"):
+    monkeypatch.setattr("fem.newton.ITERATIONS", 1)
+    with pytest.raises(InputError, match="no convergence in 1 iterations"):
         press(Material(50.0, 0.3, 1.0), max_overlap=0.1)
 
 
