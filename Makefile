@@ -39,9 +39,10 @@ lint: $(READY) ## ruff, mypy, and the direction of imports
 format: $(READY) ## let ruff lay out the sources
 	@$(BIN)/ruff check --fix-only . && $(BIN)/ruff format .
 
-verify: $(READY) ## comparison with analysis and with another code's curves
-	@echo "verify: slow comparisons with analysis and with CalculiX curves; several minutes on 2 cores"
-	@$(PYTEST) -n $(JOBS) -m verification -q
+verify: $(READY) ## theory, convergence, tolerances, the whole material range; with FE2DEM_REFERENCE=FOLDER another code's curves
+	@echo "verify: the continuum solver against theory and its own finer meshes; about 12 minutes on one core"
+	@$(BIN)/python -m cases.verification.continuum
+	@if [ -n "$$FE2DEM_REFERENCE" ]; then echo "verify: against the curves in $$FE2DEM_REFERENCE"; $(BIN)/python -m cases.verification.reference_curves; fi
 
 benchmark: $(READY) ## CPU seconds per curve, beside CalculiX where ccx is installed
 	@$(BIN)/python -m cases.benchmarks

@@ -42,9 +42,9 @@ class FitTable:
     rows: tuple[Row, ...]
 
     def __post_init__(self) -> None:
-        keys = [(row.fitted.name, row.fitted.material, row.fitted.law.radius) for row in self.rows]
+        keys = [(row.fitted.name, row.fitted.material, row.fitted.law.radius, tuple(row.fitted.curve_hashes)) for row in self.rows]
         twins = [key for number, key in enumerate(keys) if key in keys[:number]]
-        require(Problem("law and material", key, "stand in the table twice", "keep one row for each") for key in twins)
+        require(Problem("law, material and curves", key, "stand in the table twice", "keep one row for each") for key in twins)
 
 
 #: unit of each column; texts have none. Parameters and their errors are JSON objects, in SI units
@@ -76,7 +76,7 @@ def row_of(fit: Fit) -> Row:
 
 
 def table_of(fits: Iterable[Fit | Row]) -> FitTable:
-    """The table of some fits; raises `InputError` if a law and material come twice."""
+    """The table of some fits; raises `InputError` if a law comes twice for the same material and curves."""
     return FitTable(tuple(row_of(fit) if isinstance(fit, Fit) else fit for fit in fits))
 
 
