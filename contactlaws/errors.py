@@ -15,7 +15,8 @@ class Problem(NamedTuple):
     remedy: str
 
     def __str__(self) -> str:
-        value = "missing" if self.value is None else f"= {self.value!r}"
+        plain = self.value.item() if getattr(self.value, "ndim", None) == 0 else self.value  # numpy's scalars print their type
+        value = "missing" if plain is None else f"= {plain!r}"
         return f"{self.name} {value}: {self.bound}; {self.remedy}"
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,6 +34,8 @@ GRADING = math.pi / 4
 #: size of the core over the radius at which the undeformed surface lies one overlap below the pole: as the structured mesh has it
 CORE_AT_SMALLEST, CORE_AT_LARGEST, LARGEST_CORE = 0.57, 0.085, 0.2
 ROUND_OFF = 1e-9  # of lengths over the half height
+#: two irregular meshes may agree by chance, so no error estimate is below this share of the tolerance; measured on spheres: 0.5 of it
+SMALLEST_ERROR = 0.6
 PLACES = 20000  # at which the meridian is tabulated
 
 
@@ -243,4 +246,5 @@ def press_profile(
     def body(divisions: int) -> Discretisation:
         return discretise(profile_section(shape, divisions, core))
 
-    return press_body(body, material, radius, aspect, overlaps, largest, resolution, fields, progress)
+    curve = press_body(body, material, radius, aspect, overlaps, largest, resolution, fields, progress)
+    return replace(curve, errors={name: max(value, SMALLEST_ERROR * tolerance) for name, value in curve.errors.items()})

@@ -25,7 +25,7 @@ from dem.timestep import time_step
 from dem.working import Working, follow, working
 
 RADIUS, DENSITY = 5e-6, 4750.0
-LAWS = (Hertz(RADIUS, 151.47e9), Thornton(RADIUS, 151.47e9, 12.64e9))
+LAWS: tuple[Hertz | Thornton, ...] = (Hertz(RADIUS, 151.47e9), Thornton(RADIUS, 151.47e9, 12.64e9))
 COUNTS, PACKING_FRACTION = (1_000, 10_000), 0.6
 SQUEEZE, SQUEEZING_STEPS, SETTLING_STEPS = 0.97, 300, 1000
 PARTICLE_STEPS = 4_000_000  # timed, at least

@@ -141,10 +141,11 @@ def test_a_sphere_of_points_is_the_sphere_of_the_structured_mesh(material):
 def test_a_quartic_tip_follows_the_solution_for_punches_of_power_law_shape():
     """Galin 1946, Sneddon 1965: z = A r^n gives F = 2 E* n/(n+1) a d with d = A a^n sqrt(pi) Gamma(n/2 + 1)/Gamma(n/2 + 1/2)."""
     n, material = 4, Material(1e9, 0.3)
-    curve = press_profile(superellipse(n), material, max_overlap=1e-8)
+    curve = press_profile(superellipse(n), material, max_overlap=1e-6)
     shape = 0.25 * math.sqrt(math.pi) * math.gamma(n / 2 + 1) / math.gamma(n / 2 + 0.5)
-    radius = (curve.overlap[1:] / shape) ** (1 / n)
-    force = 2.0 * material.reduced_modulus * n / (n + 1) * radius * curve.overlap[1:]
-    # a is 0.011: the body being finite adds about half of that; the mesh 0.3 %
-    np.testing.assert_allclose(curve.force[1:] / force, 1.005, atol=0.005)
-    np.testing.assert_allclose(curve.contact_radius[1:] / radius, 1.0, atol=0.025)  # half an element at the first rows
+    rows = np.flatnonzero(curve.overlap >= 0.2e-6)
+    radius = (curve.overlap[rows] / shape) ** (1 / n)
+    force = 2.0 * material.reduced_modulus * n / (n + 1) * radius * curve.overlap[rows]
+    # a is 0.035 in the end, and the body being finite stiffens it by about 0.6 a; the mesh adds 0.3 %
+    np.testing.assert_allclose(curve.force[rows] / force, 1.0 + 0.6 * radius, atol=0.006)
+    np.testing.assert_allclose(curve.contact_radius[rows] / radius, 1.0, atol=0.015)  # a quarter of an element
