@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Problem(NamedTuple):
     """One thing wrong with an input: what it is, what bound it breaks, and what to do about it."""
 
     name: str
-    value: object
+    value: Any
     bound: str
     remedy: str
 
