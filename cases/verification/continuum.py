@@ -189,6 +189,7 @@ def sweep() -> Iterator[Check]:
             balance = max(balance, abs(curve.provenance["balance"]))
             rejected += curve.provenance["statistics"]["fine"]["rejected"]
             cpu += curve.provenance["cpu_seconds"]
+        print(f"    E/Y = {ratio:g}: {cpu:.0f} CPU seconds so far, {missing} unloadings missing", flush=True)
     print(f"    {cpu:.0f} CPU seconds, {rejected} steps cut", *stopped, sep="\n    ")
     yield at_most("40 materials x 14 unloadings to .5 R: unloadings missing", missing, 0.0)
     yield at_most("40 materials x 14 unloadings to .5 R: runs that stopped early", len(stopped), 0.0)
