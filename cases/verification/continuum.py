@@ -1,6 +1,6 @@
 """What the continuum solver claims, against theory, an independent code and its own finer meshes: `python -m cases.verification.continuum`.
 
-About 12 minutes on one core. Prints claim, measured value and bound as it goes and ends with exit code 1 if a claim is broken. Names of
+About 15 minutes on one core. Prints claim, measured value and bound as it goes and ends with exit code 1 if a claim is broken. Names of
 parts as arguments run those alone.
 """
 
@@ -207,7 +207,7 @@ def main(names: list[str]) -> int:
     if unknown:
         print(f"unknown part {', '.join(unknown)}; there are {', '.join(PARTS)}")
         return 2
-    print("continuum solver: about 12 minutes on one core" if not names else f"continuum solver: {', '.join(names)}")
+    print("continuum solver: about 15 minutes on one core" if not names else f"continuum solver: {', '.join(names)}")
     broken = 0
     for name in names or PARTS:
         began = time.perf_counter()
