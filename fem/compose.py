@@ -10,9 +10,10 @@ import numpy as np
 from contactlaws.curve import Curve
 from contactlaws.material import Material
 from fem import readout
+from fem.branch import Branch
 from fem.first_yield import FirstYield
 from fem.mesh import FloatArray
-from fem.walk import Branch, Walk
+from fem.walk import Walk
 
 #: a value is taken to be wrong by this share of the meshes' difference (unloading) or of what the extrapolation changed (loading)
 SHARE_LEFT = 0.5
@@ -71,7 +72,7 @@ def _branch_errors(pairs: list[tuple[Branch, Branch]], force: float) -> dict[str
     """Mean over the unloadings of half the difference between the meshes."""
     if not pairs:
         return {}
-    change = [(f.overlap[0] - f.overlap[-1]) / (c.overlap[0] - c.overlap[-1]) - 1.0 for f, c in pairs]
+    change = [f.recovered / c.recovered - 1.0 for f, c in pairs]
     shift = [readout.exponent(f) - readout.exponent(c) for f, c in pairs]
     stiffness = max(SMALLEST_ERROR, SHARE_LEFT * float(np.abs(change).mean()))
     exponent = max(SMALLEST_EXPONENT_ERROR, SHARE_LEFT * float(np.abs(shift).mean()))

@@ -22,6 +22,7 @@ from fem.mesh import FloatArray
 Moduli = tuple[float, float, float]  # bulk, shear, yield stress (infinite: elastic), one unit
 
 ITERATIONS = 30  # a step that needs more is cut
+PENETRATION = 1e-8  # of the overlap, that a node may go through the flat before it counts as touching
 CONTACT_CHANGES = 60  # of the active set in one step
 RESIDUAL = 1e-6  # of the largest force; two orders below the finest tolerance on offer, and Newton overshoots it by as much again
 
@@ -176,10 +177,10 @@ class Equilibrium:
         return float(np.linalg.norm(free))
 
     def _violations(
-        self, displacement: FloatArray, active: npt.NDArray[np.bool_], scale: float
+        self, displacement: FloatArray, overlap: float, active: npt.NDArray[np.bool_], scale: float
     ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
         """Nodes that have gone through the flat, and nodes that it would have to pull."""
-        through = ~active & (self.gaps(displacement) < -1e-10)
+        through = ~active & (self.gaps(displacement) < -max(PENETRATION * overlap, 1e-14))
         pulled = active & (self.forces[self.surface_dofs] > RESIDUAL * scale)
         return through, pulled
 
@@ -219,7 +220,7 @@ class Equilibrium:
             # never leave unchecked; before that, look as soon as the contact can be trusted
             near = iteration > 1 and isinstance(control, ByOverlap) and residual < 0.02 * scale
             if contact and (settled or near):
-                through, pulled = self._violations(displacement, active, scale)
+                through, pulled = self._violations(displacement, overlap, active, scale)
                 if free is not None:
                     through[free] = False
                 changed = bool(through.any() or pulled.any())

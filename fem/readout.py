@@ -5,7 +5,7 @@ one); the force is the derivative of a spline through the logarithm of that work
 A mesh half as fine says what is left: elements are proportional to the distance from the pole and steps to the elements, so a quantity has
 the same order of error at every overlap, and a fixed share of the difference between the meshes removes most of it. The shares are set by
 the orders measured over materials from elastic to E/Y = 1000 and overlaps to 0.45: 1.2 to 1.7 for the work, 1 for the contact radius (whose
-edge lies between two nodes). The recovered overlap scatters with the edge's place between its nodes, without an order: it is left alone.
+edge lies between two nodes). What an unloading recovers has no order to speak of: it is left alone.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from fem.branch import Branch
 from fem.mesh import FloatArray
-from fem.walk import Branch, Walk
+from fem.walk import Walk
 
 WORK_SHARE = 0.6  # order 1.4
 EDGE_SHARE = 1.0  # order 1
@@ -55,24 +56,13 @@ def loading(walk: Walk, overlap: FloatArray, skip: int) -> Loading:
     return Loading(energy / overlap * work(at, 1), np.exp(radius(at)), energy * (1.0 - share), energy * share)
 
 
-def _retreat(branch: Branch) -> FloatArray:
-    """Contact radius over its value at the start: while the same node is the outermost, the edge passes half way to the next one midway."""
-    starts = np.flatnonzero(np.diff(branch.edge_place, prepend=-2) != 0)
-    ends = np.append(starts[1:], branch.overlap.size)
-    middle = np.array([0.5 * (branch.overlap[a] + branch.overlap[b - 1]) for a, b in zip(starts, ends, strict=True)])
-    middle[0], middle[-1] = branch.overlap[0], branch.overlap[-1]
-    radius = np.minimum.accumulate(branch.edge_radius[starts])
-    return np.asarray(PchipInterpolator(middle[::-1], radius[::-1])(branch.overlap) / radius[0])
-
-
 def unloading(fine: Branch, start: Loading) -> Unloading:
     """An unloading of the fine mesh, its force and contact radius carried to the smooth loading state (one row) that it leaves from."""
     overlap = fine.overlap
     force = fine.force * (start.force[0] / fine.force[0])
     work = -cumulative_simpson(force, x=-overlap, initial=0.0)
-    dissipated = start.dissipated[0] + (fine.dissipated - fine.dissipated[0])
-    stored = start.stored[0] + work - (dissipated - dissipated[0])
-    return Unloading(overlap, force, start.contact_radius[0] * _retreat(fine), stored, dissipated, fine.force)
+    stored = start.stored[0] + work - fine.dissipated
+    return Unloading(overlap, force, start.contact_radius[0] * fine.retreat, stored, start.dissipated[0] + fine.dissipated, fine.force)
 
 
 def extrapolate(fine: FloatArray | float, coarse: FloatArray | float, share: float) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -9,24 +10,14 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from fem.assembly import Discretisation
-from fem.march import Steps, between, landings, unload
-from fem.mesh import FloatArray, IntArray
+from fem.branch import Branch, Unloader
+from fem.march import Steps, landings
+from fem.mesh import FloatArray
 from fem.newton import Equilibrium, Moduli, NoEquilibrium, State, Statistics
 
-#: what to do with a branch's first and last state, e.g. write the fields; arguments: overlap it leaves from, states
+#: what to do with the states of an unloading, e.g. write the fields; arguments: overlap it leaves from, states
 Visitor = Callable[[float, list[State]], None]
 LANDINGS_BEYOND = 2  # the smooth readout needs data beyond the largest overlap
-
-
-class Branch(NamedTuple):
-    """An unloading, state by state: the first is the one it leaves from, the last the separation."""
-
-    overlap: FloatArray
-    force: FloatArray
-    stored: FloatArray
-    dissipated: FloatArray
-    edge_place: IntArray  # number of the outermost resting surface node, -1 if none rests
-    edge_radius: FloatArray  # deformed radius half way between that node and the next, 0 if none rests
 
 
 class Walk(NamedTuple):
@@ -50,29 +41,6 @@ class Walk(NamedTuple):
     statistics: Statistics
 
 
-def contact_edge(body: Discretisation, state: State) -> tuple[int, float]:
-    """Number of the outermost resting surface node and the deformed radius half way to the next; (-1, 0) if none rests."""
-    surface = body.section.surface
-    radius = body.section.mesh.p[0, surface] + state.displacement[surface, 0]
-    resting = np.flatnonzero(state.active)
-    if resting.size == 0:
-        return -1, 0.0
-    last = int(resting[-1])
-    return last, 0.5 * float(radius[last] + radius[min(last + 1, radius.size - 1)])
-
-
-def _branch(body: Discretisation, states: list[State]) -> Branch:
-    edges = [contact_edge(body, s) for s in states]
-    return Branch(
-        overlap=np.array([s.overlap for s in states]),
-        force=np.array([s.force for s in states]),
-        stored=np.array([s.stored for s in states]),
-        dissipated=np.array([s.dissipated for s in states]),
-        edge_place=np.array([place for place, _ in edges]),
-        edge_radius=np.array([radius for _, radius in edges]),
-    )
-
-
 def _first_yield(body: Discretisation, before: State, after: State) -> tuple[float, tuple[float, float]] | None:
     """Overlap and undeformed place (r, z) at which the yield limit is first met between two states, the stress growing as a power law."""
     if before.dissipated > 0.0 or after.yield_ratio < 1.0:
@@ -91,7 +59,6 @@ class _Recorder:
         self.body = body
         self.landing: list[tuple[float, float, float, float, float]] = []
         self.path: list[tuple[float, float]] = []
-        self.branches: list[Branch] = []
         self.yielded: tuple[float, tuple[float, float]] | None = None
         self.touching = 0
 
@@ -111,7 +78,7 @@ class _Recorder:
         radius = float(self.body.section.mesh.p[0, node] + state.displacement[node, 0])
         self.landing.append((state.overlap, state.stored, state.dissipated, radius, float(resting)))
 
-    def walk(self, stopped: str | None, statistics: Statistics) -> Walk:
+    def walk(self, branches: Sequence[Branch], stopped: str | None, statistics: Statistics) -> Walk:
         """The finished record."""
         landing, path = np.array(self.landing).reshape(-1, 5).T, np.array(self.path).reshape(-1, 2).T
         yield_overlap, yield_place = self.yielded or (None, None)
@@ -124,7 +91,7 @@ class _Recorder:
             touching=self.touching,
             path_overlap=path[0],
             path_force=path[1],
-            branches=tuple(self.branches),
+            branches=tuple(branches),
             yield_overlap=yield_overlap,
             yield_place=yield_place,
             stopped=stopped,
@@ -160,33 +127,27 @@ def walk(
 
     When Newton's method fails for good the walk ends there: `stopped` says why, and all up to there is kept.
     """
-    steps = steps or Steps()
     solver = Equilibrium(body, moduli)
     record, last, beyond, stopped = _Recorder(body), solver.start(), 0, None
-    todo = list(unload_from)
+    unloader = Unloader(solver, steps or Steps(), unload_from)
+    seen = deque(unload_from if visit else ())
     try:
-        for place, path in landings(solver, steps):
+        for place, path in landings(solver, unloader.steps):
             states = [last, *path]
-            while todo and todo[0] <= path[-1].overlap:
-                k = max(i for i, s in enumerate(states[:-1]) if s.overlap <= todo[0])
-                start = between(solver, states[k], states[k + 1], todo[0], place)
-                unloading = unload(solver, start, steps)
-                record.branches.append(_branch(body, unloading))
-                if visit:
-                    visit(todo[0], unloading)
-                todo.pop(0)
+            unloader.interval(states, place)
+            while visit and seen and seen[0] <= path[-1].overlap:
+                visit(seen[0], unloader.states(states, place, seen[0]))
+                seen.popleft()
             record.interval(place, states)
             last = path[-1]
             if progress:
                 done = min(1.0, last.overlap / max_overlap)
-                progress(
-                    0.5 * done**0.25 + 0.5 * done,
-                    f"overlap {min(last.overlap, max_overlap):.4g} of {max_overlap:.4g}, {len(record.branches)} unloadings",
-                )
+                text = f"overlap {min(last.overlap, max_overlap):.4g} of {max_overlap:.4g}, {len(unloader.branches)} unloadings"
+                progress(0.5 * done**0.25 + 0.5 * done, text)
             beyond += last.overlap >= max_overlap
             if beyond >= LANDINGS_BEYOND:
                 break
     except NoEquilibrium as reason:
-        if last.overlap < max_overlap or todo:
+        if last.overlap < max_overlap or len(unloader.branches) < len(unload_from):
             stopped = f"no equilibrium found beyond an overlap of {last.overlap:.4g}: {reason}"
-    return record.walk(stopped, solver.statistics)
+    return record.walk(unloader.branches, stopped, solver.statistics)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from itertools import islice
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
 
-from contactlaws.curve import Curve
+from contactlaws.curve import Curve, FloatArray
 from contactlaws.errors import InputError
 from contactlaws.material import Material
+from fem.assembly import discretise
+from fem.fields import contact_pressure
 from fem.first_yield import small_run
-from fem.newton import RESIDUAL
+from fem.march import Steps, landings
+from fem.mesh import spheroid
+from fem.newton import RESIDUAL, Equilibrium
 from fem.press import RESOLUTIONS, moduli_of, press, resolution_for
 
 compiled_only = pytest.mark.compiled_only("a run is some hundred assemblies of the mesh; interpreted, minutes")
@@ -221,6 +226,24 @@ def test_units_do_not_matter():
 # fields
 
 
+def carried(radius: FloatArray, pressure: FloatArray) -> float:
+    """Force of a pressure that is linear between surface nodes: 2 pi r p dr over each piece, exactly."""
+    r, p = radius, pressure
+    return float((2.0 * np.pi * np.diff(r) * (r[:-1] * (p[:-1] / 3.0 + p[1:] / 6.0) + r[1:] * (p[:-1] / 6.0 + p[1:] / 3.0))).sum())
+
+
+@compiled_only
+def test_contact_pressure_carries_the_force_of_its_state():
+    body = discretise(spheroid(4, 0.1))
+    solver = Equilibrium(body, moduli_of(Material(50.0, 0.3, 1.0)))
+    path = islice(landings(solver, Steps()), 12)
+    state = [states[-1] for _, states in path][-1]
+    surface = body.section.surface
+    radius = body.section.mesh.p[0, surface] + state.displacement[surface, 0]
+    # the residual, summed over the nodes
+    assert carried(radius, contact_pressure(body, state)) == pytest.approx(state.force, rel=RESIDUAL * np.sqrt(radius.size))
+
+
 @compiled_only
 def test_fields_open_and_carry_the_force(plastic: Curve, elastic: Curve, folder: Path):
     assert plastic.raw_force is not None
@@ -232,10 +255,9 @@ def test_fields_open_and_carry_the_force(plastic: Curve, elastic: Curve, folder:
         surface = np.flatnonzero(np.abs(np.hypot(r0, z0) - 1.0) < 1e-12)
         surface = surface[np.argsort(r0[surface])]
         np.testing.assert_array_equal(pressure[np.setdiff1d(np.arange(pressure.size), surface)], 0.0)
-        # pressure linear between the surface nodes: 2 pi r p dr over each piece, exactly
-        r, p = radius[surface], pressure[surface]
-        pieces = 2.0 * np.pi * np.diff(r) * (r[:-1] * (p[:-1] / 3.0 + p[1:] / 6.0) + r[1:] * (p[:-1] / 6.0 + p[1:] / 3.0))
-        assert pieces.sum() == pytest.approx(plastic.raw_force[plastic.rows(k)][0], rel=1e-6)  # the residual
+        # the very state at this overlap: its force carries the ripple of landing nodes, 2 to 3 % on this mesh, which the curve does not
+        p = pressure[surface]
+        assert carried(radius[surface], p) == pytest.approx(plastic.force[plastic.rows(k)][0], rel=0.04)
         # in contact the body ends at the flat
         assert np.ptp(mesh.points[surface[p > 0.0], 1]) < 1e-9
         # mean of points within yield is within yield
