@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,7 +18,7 @@ from contactlaws.version import code_version
 from fem.assembly import Discretisation, discretise
 from fem.compose import compose, first_row, rows_with
 from fem.fields import field_writer
-from fem.first_yield import resolved, small_run
+from fem.first_yield import FirstYield, resolved, small_run
 from fem.march import Steps
 from fem.mesh import spheroid
 from fem.newton import Moduli
@@ -53,9 +54,10 @@ def resolution_for(tolerance: float) -> Resolution:
     )
 
 
-def _problems(
+def problems_with_run(
     material: Material, radius: float, aspect: float, unload_from: Sequence[float], max_overlap: float | None
 ) -> Iterator[Problem]:
+    """What is wrong with a run of `fem.press`, one `Problem` each."""
     yield from problems_with(material)
     for name, value, low, high in (("radius", radius, 0.0, math.inf), ("aspect", aspect, 0.0999, 10.001)):
         if not (math.isfinite(value) and low < value < high):
@@ -79,7 +81,7 @@ def moduli_of(material: Material) -> Moduli:
 
 def core_size(max_overlap: float, smallest: float) -> float:
     """Radius of the fine core: a contact of the first reported overlap fills it. Overlaps over the half height."""
-    return min(0.12 * math.sqrt(max_overlap), 0.8 * math.sqrt(smallest), 0.2)
+    return min(0.15 * math.sqrt(max_overlap), 0.8 * math.sqrt(smallest), 0.2)
 
 
 def press(
@@ -105,7 +107,7 @@ def press(
     >>> round(float(curve.force[-1] / hertz), 2)  # the sphere is finite: about 1 + a/2R
     1.01
     """
-    require(_problems(material, radius, aspect, unload_from, max_overlap))
+    require(problems_with_run(material, radius, aspect, unload_from, max_overlap))
     resolution = resolution_for(tolerance)
     unload_from = sorted({float(d) for d in unload_from})
     largest = max([*unload_from, *(() if max_overlap is None else (float(max_overlap),))])
@@ -114,7 +116,8 @@ def press(
     def body(divisions: int) -> Discretisation:
         return discretise(spheroid(divisions, core, aspect, resolution.along))
 
-    return press_body(body, material, radius, aspect, unload_from, largest, resolution, fields, progress)
+    early_yield = partial(small_run, material, aspect, moduli_of(material))
+    return press_body(body, material, radius, aspect, unload_from, largest, resolution, early_yield, fields, progress)
 
 
 def press_body(
@@ -125,10 +128,14 @@ def press_body(
     unload_from: Sequence[float],
     largest: float,
     resolution: Resolution,
+    early_yield: Callable[[], FirstYield | None],
     fields: Path | None = None,
     progress: Progress | None = None,
 ) -> Curve:
-    """Run the fine and the coarse mesh of a body (`body(divisions)`) and put their curve together; see `press`."""
+    """Run the fine and the coarse mesh of a body (`body(divisions)`) and put their curve together; see `press`.
+
+    early_yield: finds first yield where it comes before the contact is resolved.
+    """
     began = time.process_time()
     moduli, divisions = moduli_of(material), resolution.divisions
     coarse_body, fine_body = body(divisions // 2), body(divisions)
@@ -139,7 +146,7 @@ def press_body(
         _enough(fine, coarse, divisions)
         found = resolved(fine, coarse, first_row(fine, coarse, divisions))
         if found is None and fine.yield_overlap is not None:
-            found = small_run(material, aspect, moduli)
+            found = early_yield()
     provenance = {
         "code": code_version(),
         "mesh": fine_body.section.recipe,
