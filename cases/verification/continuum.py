@@ -118,7 +118,7 @@ def _mesh_series(material: Material, divisions: tuple[int, ...], steps: Steps) -
 
 
 def convergence() -> Iterator[Check]:
-    """Single meshes of 4 to 16 divisions to .1 R: order p of force = limit (1 + c divisions^-p), and how far the finer is from it.
+    """Single meshes of 4 to 16 divisions to .1 R: order p of force = limit (1 + c divisions^-p), and how far the finest is from it.
 
     Elastic meshes are too stiff, fully plastic ones too soft; in between (E/Y = 30) both cancel to 0.2 % and leave no order to fit.
     """
