@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws import dispatch, pair
-from contactlaws.compiled import for_law
 from contactlaws.errors import InputError, Problem
 from contactlaws.path import Scan, scan, trace
 
@@ -277,7 +276,7 @@ def _compiled_equals_interpreted(law: Any, path: FloatArray) -> Finding:
 def _pair_path(law: Any, scale: float, overlap: float) -> tuple[float, float, float]:
     """Force, contact radius and dissipation of a pair at 0.9 `overlap` after `overlap`."""
     state = dispatch.initial_state(law)
-    functions = [for_law(function, law) for function in (pair.pair_force, pair.pair_contact_radius, pair.pair_energy)]
+    functions = (pair.pair_force, pair.pair_contact_radius, pair.pair_energy)
     _, state = functions[0](law, scale, overlap, 0.0, 0.0, state)
     force, state = functions[0](law, scale, 0.9 * overlap, 0.0, 0.0, state)
     return force, functions[1](law, scale, 0.9 * overlap, state), functions[2](law, scale, 0.9 * overlap, state)[1]
@@ -285,14 +284,14 @@ def _pair_path(law: Any, scale: float, overlap: float) -> tuple[float, float, fl
 
 def _pair_is_symmetric(law: Any, max_overlap: float) -> Finding:
     one, two = law.radius, 0.37 * law.radius
-    values = [_pair_path(law, for_law(pair.pair_scale, law)(law, *radii), max_overlap) for radii in ((one, two), (two, one))]
+    values = [_pair_path(law, pair.pair_scale(law, *radii), max_overlap) for radii in ((one, two), (two, one))]
     different = [a != b and not (np.isnan(a) and np.isnan(b)) for a, b in zip(*values, strict=True)]
     return _finding("pair is symmetric", sum(different), 0.0, "values that change when the two bodies are exchanged")
 
 
 def _pair_is_two_bodies(law: Any, max_overlap: float) -> Finding:
     """Two equal bodies at twice the overlap: the force and the contact radius of one on a flat, twice its energy."""
-    scale = for_law(pair.pair_scale, law)(law, law.radius, law.radius)
+    scale = pair.pair_scale(law, law.radius, law.radius)
     together = np.array(_pair_path(law, scale, 2.0 * max_overlap))
     alone = scan(law, np.array([max_overlap, 0.9 * max_overlap]))
     expected = np.array([alone.force[1], alone.contact_radius[1], 2.0 * alone.dissipated_energy[1]])

@@ -2,8 +2,8 @@
 
 numba's own cache is keyed by the time stamp of the file a function stands in, so a kernel that calls a law from another file would silently
 keep the old law after an edit. Here the cache folder carries a hash of all sources that the kernel can reach (its own package and
-`contactlaws`), so an edit leads to an empty folder. Laws defined outside this project are not in that hash: kernels that run them are
-compiled afresh in each process (`for_law`).
+`contactlaws`), so an edit leads to an empty folder. Laws defined outside this project are not in that hash: what runs them is never taken
+from the disk nor put there, but compiled afresh in each process.
 """
 
 from __future__ import annotations
@@ -87,15 +87,3 @@ def kernel(function: Callable[..., Any]) -> Any:
         with _cache_folder(function.__module__.split(".")[0]):
             compiled._cache = _ProjectCache(function)
     return compiled
-
-
-@functools.cache
-def _uncached(dispatcher: Any) -> Any:
-    return numba.njit(cache=False, error_model="numpy")(dispatcher.py_func)
-
-
-def for_law(loop: Any, law: object) -> Any:
-    """The compiled `loop` to run `law` with: the cached one for this project's laws, one compiled in this process for a user's own."""
-    if type(law).__module__.split(".")[0] in PACKAGES or not hasattr(loop, "py_func"):
-        return loop
-    return _uncached(loop)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws import dispatch
-from contactlaws.compiled import for_law, kernel
+from contactlaws.compiled import kernel
 from contactlaws.errors import InputError, Problem
 
 FloatArray = npt.NDArray[np.float64]
@@ -70,7 +70,7 @@ def trace(law: object, overlap: npt.ArrayLike, time: npt.ArrayLike | None = None
     Raises `InputError` for a path that is empty or not finite, times that decrease, or a state of the wrong length.
     """
     path, times, memory = _prepared(law, overlap, time, state)
-    return Trace(*for_law(_trace, law)(law, path, times, memory))
+    return Trace(*_trace(law, path, times, memory))
 
 
 def scan(law: object, overlap: npt.ArrayLike, time: npt.ArrayLike | None = None, state: tuple[float, ...] | None = None) -> Scan:
@@ -81,8 +81,8 @@ def scan(law: object, overlap: npt.ArrayLike, time: npt.ArrayLike | None = None,
     [0.0, 0.001, 0.008]
     """
     path, times, memory = _prepared(law, overlap, time, state)
-    force, radius, states = for_law(_trace, law)(law, path, times, memory)
-    stored, dissipated = for_law(_energies, law)(law, path, states, memory)
+    force, radius, states = _trace(law, path, times, memory)
+    stored, dissipated = _energies(law, path, states, memory)
     return Scan(force, radius, stored, dissipated, states)
 
 

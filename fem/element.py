@@ -134,35 +134,6 @@ def assemble(displacement, cells, gradients, hoops, volumes, history, moduli, sl
 
 
 @kernel
-def nodal_forces(displacement, cells, gradients, hoops, volumes, history, moduli, forces):  # type: ignore[no-untyped-def]
-    """Nodal forces alone, for a line search; False if an element is inside out."""
-    bulk, shear, yield_stress = moduli
-    forces[:] = 0.0
-    for e in range(cells.shape[0]):
-        nodes = cells[e]
-        dilatation, _ = mean_dilatation(displacement, nodes, gradients[e], hoops[e], volumes[e])
-        if dilatation <= 0.0:
-            return False
-        mean_stress, _ = pressure(bulk, dilatation)
-        for g in range(4):
-            f = deformation(displacement, nodes, gradients[e, g], hoops[e, g])
-            f11, f12, f21, f22, f33 = f
-            in_plane = f11 * f22 - f12 * f21
-            b11, b22, b12, b33 = trial_elastic(f, history[e, g])
-            b1, b2, c, s = principal(b11, b22, b12)
-            s1, s2, s3, _, _ = radial_return(0.5 * math.log(b1), 0.5 * math.log(b2), 0.5 * math.log(b33), shear, dilatation * yield_stress)
-            mean = mean_stress * in_plane * f33
-            rr, zz = s1 * c * c + s2 * s * s + mean, s1 * s * s + s2 * c * c + mean
-            rz = (s1 - s2) * c * s
-            for i in range(4):
-                gr = (f22 * gradients[e, g, i, 0] - f21 * gradients[e, g, i, 1]) / in_plane
-                gz = (-f12 * gradients[e, g, i, 0] + f11 * gradients[e, g, i, 1]) / in_plane
-                forces[2 * nodes[i]] += volumes[e, g] * (rr * gr + rz * gz + (s3 + mean) * hoops[e, g, i] / f33)
-                forces[2 * nodes[i] + 1] += volumes[e, g] * (rz * gr + zz * gz)
-    return True
-
-
-@kernel
 def advance(displacement, cells, gradients, hoops, volumes, history, moduli, new_history, plastic_strain, new_plastic_strain, stress):  # type: ignore[no-untyped-def]
     """Take the converged state over: new Cp^-1, equivalent plastic strain and Cauchy stress (rr, zz, rz, hoop) at the Gauss points.
 
