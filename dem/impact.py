@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from contactlaws import dispatch
-from contactlaws.errors import Problem, require
+from contactlaws.errors import InputError, Problem, require
 from dem.box import Box
 from dem.forces import LARGEST_OVERLAP
 from dem.motion import Deformation
-from dem.particles import spheres
+from dem.particles import Particles, spheres
 from dem.timestep import collision_overlap, time_step
 from dem.working import Working, follow, working
 
@@ -24,6 +24,10 @@ FloatArray = npt.NDArray[np.float64]
 FRACTION = 1e-3
 #: steps between two looks at whether it is over
 STRIDE = 200
+#: steps after which a collision that isn't over is given up; the stiffest unloadings take some 100 000
+LONGEST = 5_000_000
+#: overlap over radius below which the round-off of positions shows in the result
+SHALLOWEST = 1e-9
 
 
 class Impact(NamedTuple):
@@ -46,12 +50,30 @@ def restitution(law: object, radius: float, density: float, speeds: Sequence[flo
     named = [("radius", radius, "m"), ("density", density, "kg/m3"), *(("speed", float(speed), "m/s") for speed in values)]
     dispatch.law_of(law)
     require(Problem(n, v, "must be a positive finite number", f"give it in {u}") for n, v, u in named if not (math.isfinite(v) and v > 0.0))
-    return Impact(values, *(np.array(column) for column in zip(*(_collide(law, radius, density, float(v)) for v in values), strict=True)))
+    overlaps = [collision_overlap(law, _approaching(radius, density, float(speed)), float(speed)) for speed in values]
+    require(problem for speed, overlap in zip(values, overlaps, strict=True) for problem in _speed_problems(float(speed), overlap, radius))
+    rows = (_collide(law, radius, density, float(v), overlap) for v, overlap in zip(values, overlaps, strict=True))
+    return Impact(values, *(np.array(column) for column in zip(*rows, strict=True)))
 
 
-def _collide(law: object, radius: float, density: float, speed: float) -> tuple[float, float, float]:
-    bodies = spheres([[0.0, 0.0, 0.0], [2.0 * radius, 0.0, 0.0]], radius, density, [[0.5 * speed, 0.0, 0.0], [-0.5 * speed, 0.0, 0.0]])
-    dt = time_step(law, bodies, collision_overlap(law, bodies, speed), FRACTION, contacts=1).dt
+def _speed_problems(speed: float, overlap: float, radius: float) -> Iterator[Problem]:
+    """Collisions that no body survives, and those that drown in round-off. `overlap` (m) is the pair's."""
+    if overlap >= 2.0 * radius:
+        bound = f"so fast that each sphere would be pressed by its whole radius, {radius:g} m, where the body ends"
+        yield Problem("speed", speed, bound, "give a smaller speed in m/s")
+    elif overlap < SHALLOWEST * radius:
+        bound = f"so slow that the overlap of {overlap:.2g} m is lost in the round-off of positions"
+        yield Problem("speed", speed, bound, f"give a speed in m/s whose overlap exceeds {SHALLOWEST:g} of the radius")
+
+
+def _approaching(radius: float, density: float, speed: float) -> Particles:
+    """Two equal spheres that just touch."""
+    return spheres([[0.0, 0.0, 0.0], [2.0 * radius, 0.0, 0.0]], radius, density, [[0.5 * speed, 0.0, 0.0], [-0.5 * speed, 0.0, 0.0]])
+
+
+def _collide(law: object, radius: float, density: float, speed: float, overlap: float) -> tuple[float, float, float]:
+    bodies = _approaching(radius, density, speed)
+    dt = time_step(law, bodies, overlap, FRACTION, contacts=1).dt
     edges = np.full(3, 20.0 * radius)
     still = Deformation(edges, edges, 1, dt)
     work = working(law, bodies, Box((edges[0], edges[1], edges[2]), (False, False, False)), radius)
@@ -62,6 +84,8 @@ def _collide(law: object, radius: float, density: float, speed: float) -> tuple[
         if work.magnitude[0] == 0.0 and closing_speed(work) < 0.0:
             break
         steps += STRIDE
+        if steps >= LONGEST:
+            raise InputError(Problem("speed", speed, f"the spheres are still in contact after {steps} steps", "check the law's parameters"))
     work = kept
     while True:  # the last stride again, step by step: when does the force end?
         before = work.position[1, 0] - work.position[0, 0] - 2.0 * radius

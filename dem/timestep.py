@@ -57,12 +57,12 @@ def time_step(law: object, particles: Particles, overlap: float, fraction: float
 
 
 @kernel
-def overlap_absorbing(law, scale, energy, step):  # type: ignore[no-untyped-def]
-    """Overlap in m at which the first loading of a pair has taken up `energy` (J), scanned in increments of `step` (m)."""
+def overlap_absorbing(law, scale, energy, step, limit):  # type: ignore[no-untyped-def]
+    """Overlap in m at which the first loading of a pair has taken up `energy` (J), scanned in increments of `step` (m) up to `limit` (m)."""
     state = dispatch.initial_state(law)
     overlap, before, work = 0.0, 0.0, 0.0
-    while work < energy:
-        overlap += step
+    while work < energy and overlap < limit:
+        overlap = min(overlap + step, limit)
         force, state = pair.pair_force(law, scale, overlap, 0.0, 0.0, state)
         work += 0.5 * (before + force) * step
         before = force
@@ -71,8 +71,13 @@ def overlap_absorbing(law, scale, energy, step):  # type: ignore[no-untyped-def]
 
 
 def collision_overlap(law: object, particles: Particles, speed: float) -> float:
-    """Largest overlap in m when two spheres meet head-on at a relative `speed` (m/s); found to a few per cent, from above."""
+    """Largest overlap in m when two spheres meet head-on at a relative `speed` (m/s); found to a few per cent, from above.
+
+    No more than the diameter, where the centres coincide: a collision that reaches it goes beyond what bodies are.
+    """
     heaviest = int(np.argmax(particles.mass))
     radius, reduced_mass = float(particles.radii[heaviest]), 0.5 * float(particles.mass[heaviest])
     energy = 0.5 * reduced_mass * speed * speed
-    return float(overlap_absorbing(law, pair.pair_scale(law, radius, radius), energy, 1e-12 * radius)) if energy > 0.0 else 0.0
+    if not energy > 0.0:
+        return 0.0
+    return float(overlap_absorbing(law, pair.pair_scale(law, radius, radius), energy, 1e-12 * radius, 2.0 * radius))

@@ -64,3 +64,25 @@ def test_all_problems_at_once(hertz: Hertz) -> None:
     with pytest.raises(InputError) as caught:
         restitution(hertz, 0.0, 0.0, [1.0, -1.0, np.nan])
     assert len(caught.value.problems) == 4
+
+
+def test_speeds_beyond_what_bodies_are(hertz: Hertz) -> None:
+    """A sphere pressed by its radius is gone; an overlap of 1e-24 R is no overlap in double precision. Both at once, nothing computed."""
+    with pytest.raises(InputError) as caught:
+        restitution(hertz, RADIUS, DENSITY, [1.0, 1e6, 1e-30])
+    assert [problem.value for problem in caught.value.problems] == [1e6, 1e-30]
+    assert "body ends" in caught.value.problems[0].bound
+    assert "round-off" in caught.value.problems[1].bound
+
+
+def test_the_slowest_collision_that_is_taken(hertz: Hertz) -> None:
+    """At an overlap near 1e-9 R positions are rounded to some 1e-7 of it, and energy is conserved to that."""
+    speed = restitution(hertz, RADIUS, DENSITY, [3e-8])
+    assert 1e-9 < speed.largest_overlap[0] / RADIUS < 1e-8
+    assert speed.restitution[0] == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_collision_that_does_not_end(hertz: Hertz, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dem.impact.LONGEST", 400)
+    with pytest.raises(InputError, match="still in contact after 400 steps"):
+        restitution(hertz, RADIUS, DENSITY, [1.0])
