@@ -66,6 +66,7 @@ def fit(
     require(_problems(given, recipe, chosen, held, tuple(free)))
     known = {**recipe.constants(given, held), **held}
     selected = recipe.select(given)
+    require(_problems_with_force(selected))
     unknown = free_names(recipe, known, free)
     start = {**recipe.start(selected, known), **known}
     parts = blocks(selected, chosen)
@@ -90,7 +91,8 @@ def fit(
         curve_hashes=tuple(curve.content_hash for curve in given),
         standard_errors=errors,
     )
-    warnings = (*failed, *doubts(found, names, [p.above is not None for p in unknown]), *_remarks(selected))
+    remarks = (*recipe.remarks(given, {*held, *names}), *_remarks(selected))
+    warnings = (*failed, *doubts(found, names, [p.above is not None for p in unknown]), *remarks)
     return Fit(fitted, names, found.correlation, found.condition_number, found.misfit, measures(outcome, selected), warnings, evaluations)
 
 
@@ -132,7 +134,11 @@ def _problems(
     for name, weight in weights.items():
         if name not in WEIGHTS or not (math.isfinite(weight) and weight >= 0.0):
             yield Problem(f"weights[{name}]", weight, f"must be a number from 0 for one of {', '.join(WEIGHTS)}", "correct it")
+    yield from _problems_with_force(curves)
     first = curves[0]
+    if first.aspect != 1.0 and not recipe.spheroids:
+        bound = f"must be 1: {recipe.law} describes a sphere, and this is a curve of a spheroid"
+        yield Problem("aspect", first.aspect, bound, "fit 'hertz' for small overlaps, or 'tabulated' for this very body")
     for number, curve in enumerate(curves[1:], 1):
         if not math.isclose(curve.radius, first.radius, rel_tol=1e-9) or curve.aspect != first.aspect:
             yield Problem(
@@ -142,6 +148,14 @@ def _problems(
             yield Problem(
                 f"curves[{number}]", curve.material, f"is of another material than {first.material}", "fit each material on its own"
             )
+
+
+def _problems_with_force(curves: Sequence[Curve]) -> Iterator[Problem]:
+    for number, curve in enumerate(curves):
+        last = float(curve.force[curve.rows(0)][-1])
+        if last <= 0.0:
+            bound = "must be positive at the end of the loading"
+            yield Problem(f"curves[{number}]: force", last, bound, "check its sign and zero: compression is positive")
 
 
 def _same_elasticity(curve: Curve, other: Curve) -> bool:

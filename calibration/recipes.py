@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,6 +51,9 @@ class Recipe(NamedTuple):
     ]  # what is known from all curves given, before the fit; second argument: given by the user
     start: Callable[[Sequence[Curve], Values], Values]  # starting values from the selected curves and what is known
     build: Callable[[Sequence[Curve], Values], Any]  # the record; curves are the selected ones
+    spheroids: bool = False  # it can describe a body whose aspect is not 1; otherwise such curves are refused
+    #: what the user must know about a fit to all curves given; second argument: names that the user gave or freed
+    remarks: Callable[[Sequence[Curve], Collection[str]], Iterable[str]] = lambda curves, named: ()
 
 
 _RECIPES: dict[str, Recipe] = {}
@@ -82,11 +85,6 @@ def is_elastic(curve: Curve) -> bool:
     return curve.material is not None and curve.material.yield_stress is None
 
 
-def all_curves(curves: Sequence[Curve]) -> Sequence[Curve]:
-    """All of them."""
-    return curves
-
-
 def plastic_curves(curves: Sequence[Curve]) -> Sequence[Curve]:
     """Those that yield, if any do."""
     return [curve for curve in curves if not is_elastic(curve)] or curves
@@ -112,9 +110,14 @@ def _before_yield(curve: Curve) -> Curve | None:
     return Curve(**columns, **{name: getattr(curve, name) for name in rest})
 
 
+def pole_radius(curve: Curve) -> float:
+    """Radius of curvature in m where the body touches the flat: (equatorial semi-axis)^2 / (polar semi-axis)."""
+    return curve.aspect**2 * curve.radius
+
+
 def body_and_modulus(curves: Sequence[Curve], given: Values) -> Values:
-    """The radius, and E/(1 - nu^2) where the material is known."""
-    known = {"radius": curves[0].radius}
+    """The radius at the pole, and E/(1 - nu^2) where the material is known."""
+    known = {"radius": pole_radius(curves[0])}
     material = curves[0].material
     return known if material is None else {**known, "reduced_modulus": material.reduced_modulus}
 
@@ -126,7 +129,7 @@ def modulus_from_force(curve: Curve) -> float:
     row = int(np.searchsorted(overlap, 0.2 * overlap[-1]))
     while row < overlap.size - 1 and force[row] <= 0.0:
         row += 1
-    return max(float(0.75 * force[row] / (math.sqrt(curve.radius) * overlap[row] ** 1.5)), 1e-300)
+    return max(float(0.75 * force[row] / (math.sqrt(pole_radius(curve)) * overlap[row] ** 1.5)), 1e-300)
 
 
 def _hertz_start(curves: Sequence[Curve], known: Values) -> Values:
@@ -154,8 +157,26 @@ def free_names(recipe: Recipe, known: Iterable[str], free: Iterable[str]) -> lis
     return [parameter for parameter in recipe.parameters if parameter.name not in known or parameter.name in free]
 
 
+def _pole_only(curves: Sequence[Curve], named: Collection[str]) -> Iterator[str]:
+    curve = curves[0]
+    if curve.aspect != 1.0:
+        yield (
+            f"the radius of this law, {pole_radius(curve):.6g} m, is that of curvature at the pole of a spheroid of aspect "
+            f"{curve.aspect:g}; it holds for overlaps that are small against it"
+        )
+
+
+def _no_sphere(curves: Sequence[Curve], named: Collection[str]) -> Iterator[str]:
+    curve = curves[0]
+    if curve.aspect != 1.0:
+        yield (
+            f"THIS LAW IS NOT ONE OF SPHERES: it belongs to a spheroid of aspect {curve.aspect:g} and half height {curve.radius:.6g} m "
+            "pressed at its poles; impacts and particle simulations, which take every body for a sphere, would be wrong with it"
+        )
+
+
 MODULUS = Parameter("reduced_modulus")
-register(Recipe("hertz", (MODULUS,), elastic_parts, body_and_modulus, _hertz_start, record_of("hertz")))
+register(Recipe("hertz", (MODULUS,), elastic_parts, body_and_modulus, _hertz_start, record_of("hertz"), True, _pole_only))
 register(
     Recipe(
         "hertz_finite_size",
@@ -177,6 +198,8 @@ register(
         lambda curves, given: {"radius": curves[0].radius},
         lambda curves, known: {},
         lambda curves, values: _table(curves),
+        True,
+        _no_sphere,
     )
 )
 

@@ -19,6 +19,7 @@ from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import read_text, write_atomically, write_text
 from contactlaws.fitted import FORMAT as LAW_FORMAT
 from contactlaws.fitted import FittedLaw, from_json, to_json
+from contactlaws.json_input import parsed
 from contactlaws.material import Material
 
 FORMAT = "fe2dem fit table 1"
@@ -137,7 +138,7 @@ def _parsed(name: str, value: Any, place: str) -> Any:
         return value
     try:
         if name in _JSON:
-            return json.loads(value)
+            return parsed(value)
         number = float(value)
         if not math.isfinite(number):
             raise ValueError
@@ -156,7 +157,11 @@ def _problems_with_columns(path: str | Path, names: list[str]) -> Iterator[Probl
 
 
 def _read_csv(path: str | Path) -> list[dict[str, Any]]:
-    lines = list(csv.reader(io.StringIO(read_text(path))))
+    try:
+        lines = list(csv.reader(io.StringIO(read_text(path)), strict=True))
+    except csv.Error as error:
+        remedy = "remove a stray quotation mark; a large tabulated law needs a .parquet table"
+        raise InputError(Problem(str(path), str(error), "is no CSV file that can be read", remedy)) from error
     require(_problems_with_columns(path, lines[0] if lines else []))
     for number, cells in enumerate(lines[1:], 1):
         if len(cells) != len(lines[0]):

@@ -16,8 +16,10 @@ FloatArray = npt.NDArray[np.float64]
 LARGEST_CORRELATION = 0.99
 #: beyond this condition number of the scaled Jacobian a combination of parameters is reported (Belsley, Kuh & Welsch 1980 call 30 strong)
 LARGEST_CONDITION = 30.0
-#: a positive parameter that is known to no better than this factor is reported
+#: a positive parameter whose logarithm is known to no better than this is reported
 LARGEST_RELATIVE_ERROR = 0.5
+#: from this factor on there is no point in stating it
+NOT_DETERMINED = 1e3
 
 
 class Trust(NamedTuple):
@@ -63,7 +65,8 @@ def doubts(found: Trust, names: Sequence[str], positive: Sequence[bool]) -> Iter
         if not np.isfinite(error):
             yield f"{name} has no influence on these curves: it cannot be fitted to them"
         elif scaled and error > LARGEST_RELATIVE_ERROR:
-            yield f"{name} is known to within a factor of {1.0 + min(error, 1e9):.3g} only"
+            factor = math.exp(min(error, 700.0))  # the inner parameter is a logarithm
+            yield f"{name} is known to within a factor of {factor:.3g} only" if factor < NOT_DETERMINED else f"{name} is not determined"
     for i, j in itertools.combinations(range(len(names)), 2):
         if abs(found.correlation[i, j]) > LARGEST_CORRELATION:
             yield f"{names[i]} and {names[j]} cannot be told apart (correlation {found.correlation[i, j]:+.4f})"

@@ -105,3 +105,17 @@ def _problems(curve: Curve) -> Iterator[Problem]:
             yield Problem(name, value, "must be positive", "give it in metres" if name == "radius" else "1 is a sphere")
     if curve.overlap.shape == curve.branch.shape and np.any(np.diff(curve.overlap[curve.branch == 0]) <= 0):
         yield Problem("overlap", "decreases", "must increase along the loading (branch 0)", "give unloadings their own branch numbers")
+    if all(getattr(curve, name).shape == (size,) for name in ("time", "force", "branch")):
+        for branch in np.unique(curve.branch).tolist():
+            yield from _problems_along(curve, branch)
+
+
+def _problems_along(curve: Curve, branch: int) -> Iterator[Problem]:
+    """Time and force of one branch. Force may wander by 1 %: near its end a computed unloading has some noise."""
+    time, force = curve.time[curve.rows(branch)], curve.force[curve.rows(branch)]
+    if (np.diff(time) < 0.0).any():
+        row = int(np.flatnonzero(np.diff(time) < 0.0)[0]) + 1
+        yield Problem(f"branch {branch} row {row}: time", float(time[row]), "must not fall along a branch", "keep the rows in their order")
+    if branch and force.size and force[-1] > force[0] + 0.01 * abs(force).max():
+        bound = f"must not end above the force that this unloading starts from, {force[0]:.6g} N"
+        yield Problem(f"branch {branch} row {force.size - 1}: force", float(force[-1]), bound, "check the order and the sign of the force")

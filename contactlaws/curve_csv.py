@@ -13,6 +13,7 @@ import numpy as np
 from contactlaws.curve import Curve
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import read_text, write_text
+from contactlaws.json_input import parsed
 
 HEADER = ("branch", "time", "overlap", "force", "contact_radius")
 #: columns that may stand in a file; overlap and force must
@@ -44,7 +45,7 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
     body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not body:
         raise InputError(Problem(str(path), "no rows", "a curve file needs a header and rows", "check that the right file was given"))
-    header = [name.strip() for name in next(csv.reader([body[0][1]]))]
+    header = [name.strip() for name in _cells(path, *body[0])]
     require(_problems_with_header(path, header))
     columns = _columns(path, header, body[1:])
     rows = [number for number, _ in body[1:]]
@@ -64,7 +65,7 @@ def _facts(path: str | Path, lines: list[str]) -> dict[str, Any]:
         if not (line.lstrip().startswith("#") and colon and key.strip() in FACTS):
             continue
         try:
-            facts[key.strip()] = json.loads(value)
+            facts[key.strip()] = parsed(value)
         except ValueError as error:
             remedy = "give numbers in SI units, others as JSON"
             raise InputError(Problem(f"{path} line {number}: {key.strip()}", value.strip(), "cannot be understood", remedy)) from error
@@ -85,10 +86,20 @@ def _problems_with_header(path: str | Path, header: list[str]) -> Iterator[Probl
             yield Problem(f"{path}: column", name, f"each of {', '.join(KNOWN)} may stand there once", "rename or remove the column")
 
 
+def _cells(path: str | Path, number: int, line: str) -> list[str]:
+    """The cells of one line; no cell goes on in the next line."""
+    try:
+        return next(csv.reader([line], strict=True))
+    except csv.Error as error:
+        bound = f"is no line of a CSV file ({error})"
+        raise InputError(Problem(f"{path} line {number}", line.strip()[:80], bound, "remove the stray quotation mark")) from error
+
+
 def _columns(path: str | Path, header: list[str], body: list[tuple[int, str]]) -> dict[str, Any]:
     problems: list[Problem] = []
     values: list[list[float]] = []
-    for number, cells in zip((number for number, _ in body), csv.reader(line for _, line in body), strict=True):
+    for number, line in body:
+        cells = _cells(path, number, line)
         if len(cells) != len(header):
             problems.append(
                 Problem(f"{path} line {number}", ",".join(cells), f"must have {len(header)} values", "complete or remove the line")

@@ -13,6 +13,7 @@ from contactlaws import curve_csv
 from contactlaws.curve import QUANTITIES, Curve
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import write_atomically
+from contactlaws.json_input import is_number, parsed
 from contactlaws.material import Material, checked
 
 FORMAT = "fe2dem curve 1"
@@ -93,24 +94,21 @@ def _material_of(facts: Mapping[str, Any], given: Material | None) -> dict[str, 
 
 
 def _problems_with(facts: Mapping[str, Any], path: str | Path) -> Iterator[Problem]:
-    def number(value: Any) -> bool:
-        return isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))
-
     for name in ("radius", "aspect", "yield_overlap"):
         value = facts.get(name)
-        if value is not None and not (number(value) and value > 0):
+        if value is not None and not (is_number(value) and value > 0):
             yield Problem(f"{path}: {name}", value, "must be a positive number", "repair it, in SI units")
     constants = facts.get("material")
     if constants is not None:
         if not isinstance(constants, dict) or not {"youngs_modulus", "poissons_ratio"} <= set(constants) <= set(Material._fields):
             yield Problem(f"{path}: material", constants, f"must name {', '.join(Material._fields)}", "the last two may be missing")
-        elif not all(value is None or number(value) for value in constants.values()):
+        elif not all(value is None or is_number(value) for value in constants.values()):
             yield Problem(f"{path}: material", constants, "must hold numbers", "give them in SI units")
     place = facts.get("yield_place")
-    if place is not None and not (isinstance(place, list | tuple) and len(place) == 2 and all(map(number, place))):
+    if place is not None and not (isinstance(place, list | tuple) and len(place) == 2 and all(map(is_number, place))):
         yield Problem(f"{path}: yield_place", place, "must be two numbers", "distance from the axis and from the mid-plane, in m")
     errors = facts.get("errors", {})
-    if not isinstance(errors, dict) or not set(errors) <= set(QUANTITIES) or not all(number(v) and v >= 0 for v in errors.values()):
+    if not isinstance(errors, dict) or not set(errors) <= set(QUANTITIES) or not all(is_number(v) and v >= 0 for v in errors.values()):
         yield Problem(f"{path}: errors", errors, f"must be numbers for {', '.join(QUANTITIES)}", "repair or drop the others")
     if not isinstance(facts.get("provenance", {}), dict):
         yield Problem(f"{path}: provenance", facts["provenance"], "must be a mapping", "repair or drop it")
@@ -150,7 +148,7 @@ def _read_parquet(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     if missing:
         _broken(path, sorted(missing), "these columns are missing", "write the whole curve")
     try:
-        facts = json.loads(metadata["facts"])
+        facts = parsed(metadata["facts"])
         return {name: table[name].to_numpy() for name in table.column_names}, {name: facts[name] for name in FACTS}
     except (KeyError, TypeError, ValueError) as error:
         _broken(path, str(error), "its description is damaged", "write it again")

@@ -15,7 +15,7 @@ frictionless flat, in SI units (a pair is made of it in `contactlaws.pair`):
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from numba import types
@@ -35,6 +35,8 @@ class Law(NamedTuple):
     stiffness_bound: Callable[..., Any]
     memory: tuple[str, ...]  # one name per float of state; () for a law without memory
     source: str  # paper and equations, as corrected
+    #: what makes a record unusable, asked before a kernel sees it; a law made of plain numbers may leave it out
+    problems: Callable[[Any], Iterable[Problem]] = lambda law: ()
 
 
 _LAWS: dict[type, Law] = {}

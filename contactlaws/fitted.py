@@ -16,6 +16,7 @@ import numpy as np
 from contactlaws import dispatch
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import read_text, write_text
+from contactlaws.json_input import is_number, parsed
 from contactlaws.material import Material, problems_with
 from contactlaws.path import trace
 from contactlaws.version import code_version
@@ -83,11 +84,15 @@ def from_text(text: str, place: str) -> FittedLaw:
         raise InputError(Problem(place, value, "must hold finite numbers only", "repair or refit the law"))
 
     try:
-        content = json.loads(text, parse_constant=refuse, object_pairs_hook=lambda pairs: _without_twins(pairs, place))
+        content = parsed(text, parse_constant=refuse, object_pairs_hook=lambda pairs: _without_twins(pairs, place))
     except json.JSONDecodeError as error:
         raise InputError(
             Problem(f"{place} line {error.lineno}", error.msg, "is no JSON", "give a file written by fitting a law")
         ) from error
+    except InputError:
+        raise
+    except ValueError as error:  # nested too deeply, or a number of thousands of digits
+        raise InputError(Problem(place, str(error), "is no JSON of a law", "give a file written by fitting a law")) from error
     return from_json(content, place)
 
 
@@ -100,7 +105,7 @@ def from_json(content: object, place: str) -> FittedLaw:
             Problem(f"{place}: format", content["format"], f"must be {FORMAT!r}", "read it with the release that wrote it, or refit")
         )
     known = dispatch.laws()
-    if content["law"] not in known:
+    if not isinstance(content["law"], str) or content["law"] not in known:
         near = difflib.get_close_matches(str(content["law"]), known, 1)
         remedy = f"did you mean {near[0]!r}?" if near else "register the law before loading it"
         raise InputError(Problem(f"{place}: law", content["law"], f"must be one of {', '.join(known)}", remedy))
@@ -155,28 +160,24 @@ def _problems_with_keys(content: object, wanted: tuple[str, ...], place: str) ->
             yield Problem(f"{place}: {name}", content[name], "is not a known key", f"did you mean {near[0]!r}?" if near else "remove it")
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
 def _is_table(value: object) -> bool:
     if not isinstance(value, list):
         return False
     if any(isinstance(row, list) for row in value):
-        return all(isinstance(row, list) and len(row) == len(value[0]) and all(map(_is_number, row)) for row in value)
-    return all(map(_is_number, value))
+        return all(isinstance(row, list) and len(row) == len(value[0]) and all(map(is_number, row)) for row in value)
+    return all(map(is_number, value))
 
 
 def _problems_with_values(content: dict[str, Any], record: Any, place: str) -> Iterator[Problem]:
     kinds = typing.get_type_hints(record)
     for name, value in content["parameters"].items():
-        if kinds[name] is float and not _is_number(value):
+        if kinds[name] is float and not is_number(value):
             yield Problem(f"{place}: {name}", value, "must be a finite number", "repair or refit the law")
         if kinds[name] is not float and not _is_table(value):
             yield Problem(
                 f"{place}: {name}", value, "must be a list of finite numbers, or of such lists of one length", "repair or refit the law"
             )
-    if not _is_number(content["max_overlap"]):
+    if not is_number(content["max_overlap"]):
         yield Problem(f"{place}: max_overlap", content["max_overlap"], "must be a finite number of metres", "repair or refit the law")
     material = content["material"]
     if material is not None:
@@ -185,7 +186,7 @@ def _problems_with_values(content: dict[str, Any], record: Any, place: str) -> I
             yield from (
                 Problem(f"{place}: {name}", value, "must be a number or null", "give it in SI units")
                 for name, value in material.items()
-                if value is not None and not _is_number(value)
+                if value is not None and not is_number(value)
             )
     hashes = content["curve_hashes"]
     if not (isinstance(hashes, list) and all(isinstance(value, str) for value in hashes)):
@@ -193,14 +194,14 @@ def _problems_with_values(content: dict[str, Any], record: Any, place: str) -> I
     if not isinstance(content["code_version"], str):
         yield Problem(f"{place}: code_version", content["code_version"], "must be a text", "repair or refit the law")
     errors = content["standard_errors"]
-    if not (isinstance(errors, dict) and all(value is None or _is_number(value) for value in errors.values())):
+    if not (isinstance(errors, dict) and all(value is None or is_number(value) for value in errors.values())):
         yield Problem(f"{place}: standard_errors", errors, "must map parameters to numbers or null", "repair or refit the law")
 
 
 def _problems(fitted: FittedLaw) -> Iterator[Problem]:
     """What holds for any law: a body of positive size, a push at the largest overlap, errors of parameters that exist."""
     law = fitted.law
-    dispatch.law_of(law)
+    registered = dispatch.law_of(law)
     if not (math.isfinite(law.radius) and law.radius > 0.0):
         yield Problem("radius", law.radius, "must be positive", "give it in m")
         return
@@ -212,6 +213,10 @@ def _problems(fitted: FittedLaw) -> Iterator[Problem]:
     for name, value in fitted.standard_errors.items():
         if name not in law._fields or (value is not None and not (math.isfinite(value) and value >= 0.0)):
             yield Problem(f"standard_errors[{name}]", value, f"must be a positive number for one of {', '.join(law._fields)}", "drop it")
+    damaged = tuple(registered.problems(law))
+    yield from damaged
+    if damaged:
+        return  # compiled code would read beyond the ends of damaged tables
     forces = trace(law, fitted.max_overlap * np.array([0.01, 0.1, 0.5, 1.0])).force
     if not (np.isfinite(forces).all() and (forces >= 0.0).all() and forces[-1] > 0.0):
         yield Problem(

@@ -11,7 +11,8 @@ from scipy.interpolate import PchipInterpolator
 from contactlaws.curve import Curve
 from contactlaws.errors import Problem, require
 from contactlaws.path import trace
-from contactlaws.tabulated import AREA, FORCE, Tabulated, steepest
+from contactlaws.tabulated import steepest
+from contactlaws.tabulated_record import AREA, FORCE, Tabulated, integral
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -25,13 +26,13 @@ def from_curve(curve: Curve) -> Tabulated:
     elastic = curve.material is not None and curve.material.yield_stress is None
     require(_problems(curve, elastic))
     rows = curve.rows(0)
-    keep = (curve.overlap[rows] > 0.0) & (np.minimum.accumulate(curve.force[rows][::-1])[::-1] > 0.0)
+    keep = _pressed(curve)
     overlap, force = curve.overlap[rows][keep], curve.force[rows][keep]
     slope = _slopes(overlap, force)
     # below the first row the force is a power of the overlap; a measured first row may suggest any, Hertz's is 1.5
     power = np.clip(slope[0] * overlap[0] / force[0], 1.0, 3.0)
     slope[0] = power * force[0] / overlap[0]
-    work = _integral(overlap, force, slope) + force[0] * overlap[0] / (power + 1.0)
+    work = integral(overlap, force, slope) + force[0] * overlap[0] / (power + 1.0)
     area = None if curve.contact_radius is None else curve.contact_radius[rows][keep] ** 2
     loading = _frozen([overlap, force, slope, work, *([] if area is None else [area, _slopes(overlap, area)])])
     none = Tabulated(float(curve.radius), float(overlap[0]), loading, _frozen(np.zeros((5, 0))), _frozen(np.zeros((loading.shape[0], 0))))
@@ -48,6 +49,12 @@ def from_curve(curve: Curve) -> Tabulated:
     states = [(yield_overlap, 0.0), *(_state(curve, branch) for branch in branches)]
     stored = [(*state, _steepest(table), *ends[k : k + 2]) for k, (state, table) in enumerate(zip(states, tables, strict=True))]
     return none._replace(yield_overlap=yield_overlap, stored=_frozen(np.array(stored).T), unloading=_frozen(np.concatenate(tables, axis=1)))
+
+
+def _pressed(curve: Curve) -> npt.NDArray[np.bool_]:
+    """The rows of the loading from which on the force stays positive."""
+    rows = curve.rows(0)
+    return (curve.overlap[rows] > 0.0) & (np.minimum.accumulate(curve.force[rows][::-1])[::-1] > 0.0)
 
 
 def _elastic_shape(elastic: Tabulated, yield_overlap: float) -> FloatArray:
@@ -72,7 +79,7 @@ def _unloading(curve: Curve, branch: int) -> FloatArray:
 def _normalised(left: FloatArray, ratio: FloatArray, radius: FloatArray | None) -> FloatArray:
     """The rows of `Tabulated.unloading`."""
     slope = _slopes(left, ratio)
-    table = [left, ratio, slope, _integral(left, ratio, slope)]
+    table = [left, ratio, slope, integral(left, ratio, slope)]
     if radius is not None:
         area = (radius / radius[-1]) ** 2
         table += [area, _slopes(left, area)]
@@ -95,12 +102,6 @@ def _slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.asarray(PchipInterpolator(x, y).derivative()(x))
 
 
-def _integral(x: FloatArray, y: FloatArray, slope: FloatArray) -> FloatArray:
-    """Integral of the cubic from the first row to each."""
-    h = np.diff(x)
-    return np.concatenate(([0.0], np.cumsum(0.5 * h * (y[1:] + y[:-1]) + h * h / 12.0 * (slope[:-1] - slope[1:]))))
-
-
 def _frozen(values: npt.ArrayLike) -> FloatArray:
     array = np.array(values, dtype=np.float64)
     array.flags.writeable = False
@@ -109,8 +110,9 @@ def _frozen(values: npt.ArrayLike) -> FloatArray:
 
 def _problems(curve: Curve, elastic: bool) -> Iterator[Problem]:
     rows = curve.rows(0)
-    if np.count_nonzero(curve.force[rows] > 0.0) < 3:
-        yield Problem("force", curve.force[rows].tolist()[:5], "must be positive in at least 3 rows of the loading", "press deeper")
+    if np.count_nonzero(_pressed(curve)) < 3:
+        bound = "must be positive in at least the last 3 rows of the loading, at a positive overlap"
+        yield Problem("force", curve.force[rows].tolist()[-5:], bound, "press deeper")
     if curve.force[rows][-1] <= 0.0:
         yield Problem(
             "force", float(curve.force[rows][-1]), "must be positive at the end of the loading", "check its sign: compression is positive"
@@ -121,6 +123,9 @@ def _problems(curve: Curve, elastic: bool) -> Iterator[Problem]:
         yield Problem(
             "unloadings", 0, "a tabulated law of a body that may yield needs at least one", "add one, or a material without yield stress"
         )
+    starts = [float(curve.overlap[curve.rows(branch)][0]) for branch in curve.unloadings]
+    for start in sorted(start for start in set(starts) if starts.count(start) > 1):
+        yield Problem("unloadings", start, "only one may start from an overlap", "leave out the others from there")
     for branch in curve.unloadings:
         part = curve.rows(branch)
         overlap, force = curve.overlap[part], curve.force[part]

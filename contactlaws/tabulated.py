@@ -11,38 +11,12 @@ yield, the power that of similar plastic indentation. Beyond the last stored sta
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
-
-import numpy as np
-import numpy.typing as npt
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.tabulated_record import AREA, END, FIRST, FORCE, LARGEST, OVERLAP, STEEPEST, STIFFENING, WORK, Tabulated, problems_with
 
-FloatArray = npt.NDArray[np.float64]
 GAMMA_5 = 0.3429  # Edmans & Sinka 2020, Table 1
-
-
-class Tabulated(NamedTuple):
-    """The tables; made by `contactlaws.tabulate.from_curve`, which says what each curve must have.
-
-    One column per row of the curve. The first stored unloading is the elastic response at first yield; with none the body is elastic. The
-    last two rows of `loading` and `unloading` are left out where the contact radius is not known, which is NaN then. Few arrays of two
-    dimensions instead of many of one keep compiling short.
-    """
-
-    radius: float  # m
-    yield_overlap: float  # m; up to here unloading follows the loading
-    loading: FloatArray  # overlap (m), force (N), its slope, its integral from 0 (J), contact radius squared (m2), its slope
-    stored: FloatArray  # for each unloading: d_max (m), 1/(d_max - d_0) - 1/d_max (1/m), largest slope, first column and end in `unloading`
-    unloading: (
-        FloatArray  # s, force over force at the start, its slope, its integral from s = 0, contact area over area at the start, its slope
-    )
-
-
-# rows of the tables; the slope of a quantity stands below it
-OVERLAP, FORCE, WORK, AREA = 0, 1, 3, 4
-LARGEST, STIFFENING, STEEPEST, FIRST, END = 0, 1, 2, 3, 4
 
 
 @kernel
@@ -280,5 +254,6 @@ register(
         tabulated_stiffness_bound,
         ("largest_overlap",),
         "monotone cubics through the rows of a curve and its unloadings",
+        problems_with,
     )
 )

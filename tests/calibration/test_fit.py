@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import calibration
+from calibration.trust import Trust, doubts
 from contactlaws.curve import Curve
 from contactlaws.elastic import Hertz, HertzFiniteSize
 from contactlaws.elastoplastic import Thornton
@@ -98,9 +99,14 @@ def test_recovers_edmans_sinka_with_its_elastic_factor_from_an_elastic_curve():
     found = calibration.fit(curves, "edmans_sinka")
     assert found.misfit < 1e-3
     assert found.residuals.force < 1e-5
+    # three unloadings, an area, overlaps below those of the whole body flowing: all that then is free must come back
+    loading, area = {"flow", "flow_decay", "flow_sharpness"}, {"plastic_area", "plastic_area_decay", "area_onset"}
+    assert set(found.free) == loading | area | {"exponent", "exponent_decay"}
     for name in found.free:
-        error = found.standard_errors[name]
-        assert error is None or abs(getattr(found.law, name) - getattr(law, name)) < max(error, 1e-6)
+        assert found.standard_errors[name] is not None
+        # perfect data; a condition number of 76 (of 6000 for the squares) leaves that much of the optimiser's 1e-12
+        assert getattr(found.law, name) == pytest.approx(getattr(law, name), rel=1e-6)
+    assert not any("elastic curve" in warning for warning in found.warnings)
 
 
 def test_tabulated_takes_one_curve_and_leaves_no_residual():
@@ -157,3 +163,42 @@ def test_edmans_sinka_on_a_measured_curve_must_be_told_poissons_ratio():
         calibration.fit(curve, "edmans_sinka")
     found = calibration.fit(curve, "edmans_sinka", fixed={"poissons_ratio": 0.3})
     assert found.residuals.force < 0.01
+    assert any("no elastic curve was given: force_1, force_2, force_3, area_1, area_2 are 0" in warning for warning in found.warnings)
+
+
+SPHEROID = dataclasses.replace(curve_of(Hertz(4.0, 50.0), 0.01, (), SOFT.elastic), radius=1.0, aspect=2.0)
+
+
+@pytest.mark.parametrize("law", ["hertz_finite_size", "thornton", "edmans_sinka"])
+def test_laws_of_spheres_refuse_a_spheroid(law: str):
+    with pytest.raises(InputError, match=r"aspect = 2.0: must be 1: .*; fit 'hertz' for small overlaps"):
+        calibration.fit(SPHEROID, law)
+
+
+def test_hertz_takes_the_curvature_at_the_pole_of_a_spheroid():
+    """Semi-axes 2 (equator) and 1: 2^2/1 = 4 m, the radius that the curve was made with."""
+    found = calibration.fit(dataclasses.replace(SPHEROID, material=None), "hertz")
+    assert found.law.radius == 4.0
+    assert found.law.reduced_modulus == pytest.approx(50.0, rel=1e-6)  # perfect data: the optimiser's own tolerance
+    assert any("pole of a spheroid of aspect 2" in warning for warning in found.warnings)
+
+
+def test_a_table_of_a_spheroid_says_that_it_is_none_of_spheres():
+    assert any("NOT ONE OF SPHERES" in warning for warning in calibration.fit(SPHEROID, "tabulated").warnings)
+    assert not calibration.fit(dataclasses.replace(SPHEROID, aspect=1.0), "tabulated").warnings
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0])
+@pytest.mark.parametrize("law", ["hertz", "thornton", "tabulated"])
+def test_a_curve_that_never_pushes_is_refused(law: str, factor: float):
+    curve = curve_of(Hertz(1.0, 50.0), 0.1, ())
+    with pytest.raises(InputError, match="must be positive at the end of the loading"):
+        calibration.fit(dataclasses.replace(curve, force=factor * curve.force), law)
+
+
+def test_doubts_about_a_logarithm_are_said_as_a_factor():
+    found = Trust(np.array([0.6, 20.0, 0.4]), np.eye(3), 1.0, 0.0, np.zeros(3))
+    assert list(doubts(found, ["one", "two", "three"], [True] * 3)) == [
+        "one is known to within a factor of 1.82 only",  # exp(0.6)
+        "two is not determined",
+    ]

@@ -9,8 +9,10 @@ import pytest
 
 from contactlaws.elastic import Hertz
 from contactlaws.errors import InputError
+from contactlaws.fitted import FittedLaw
 from contactlaws.path import scan
 from contactlaws.tabulate import from_curve
+from contactlaws.tabulated_record import Tabulated
 from tests.contactlaws.samples import HARD, curve_of, edmans_sinka
 
 SOURCE = edmans_sinka(HARD)
@@ -69,6 +71,46 @@ def test_without_a_contact_radius_it_says_so():
     law = from_curve(replace(CURVE, contact_radius=None))
     assert np.isnan(scan(law, [0.1, 0.0999]).contact_radius).all()
     assert np.isfinite(scan(law, [0.1, 0.0999]).force).all()
+
+
+TABLE = from_curve(CURVE)
+
+
+def table(name: str, row: int, column: int, value: float) -> Tabulated:
+    changed = getattr(TABLE, name).copy()
+    changed[row, column] = value
+    return TABLE._replace(**{name: changed})
+
+
+@pytest.mark.parametrize(
+    ("law", "expected"),
+    [
+        (TABLE._replace(loading=np.zeros(3)), r"loading = \(3,\): must be rows"),
+        (TABLE._replace(loading=np.zeros((1, 1))), r"loading = \(1, 1\): must have 4 or 6 rows"),
+        (TABLE._replace(loading=[[0.0]]), "loading = 'list': must be rows"),
+        (TABLE._replace(stored=TABLE.stored[:, :1]), r"stored = \(5, 1\): must have 5 rows of none, or 2"),
+        (TABLE._replace(unloading=TABLE.unloading[:4]), "must have the rows of loading"),
+        (TABLE._replace(unloading=TABLE.unloading[:, :-1]), "must be whole numbers that divide"),
+        (TABLE._replace(yield_overlap=-1.0), "yield_overlap = -1.0: must be positive"),
+        (table("loading", 1, 3, np.nan), "loading = 'not finite'"),
+        (table("loading", 0, 3, 1.0), "must be positive and increase"),
+        (table("loading", 1, 0, -1.0), "must be positive, and rise at first"),
+        (table("loading", 3, 5, 1.0), "loading: work = .*must be the integral"),
+        (table("loading", 4, 5, -1.0), "contact radius squared = -1.0"),
+        (table("stored", 0, 0, 1e-9), "must start at yield_overlap"),
+        (table("stored", 1, 1, -1.0), "must be positive, 0 or more in the first"),
+        (table("stored", 2, 1, 0.0), "unloading 1: largest slope = 0.0: must be at least"),
+        (table("stored", 3, 1, 1e9), "must be whole numbers that divide"),
+        (table("stored", 4, 3, 1e9), "must be whole numbers that divide"),
+        (table("stored", 3, 0, -5.0), "must be whole numbers that divide"),
+        (table("unloading", 0, 0, 0.5), "unloading 0: s = .*from 0 to 1"),
+        (table("unloading", 1, 0, 0.5), "unloading 0: force = .*from 0 to 1"),
+        (table("unloading", 3, 5, 0.5), "unloading 0: work"),
+    ],
+)
+def test_a_damaged_table_is_refused_before_compiled_code_reads_it(law: Tabulated, expected: str):
+    with pytest.raises(InputError, match=expected):
+        FittedLaw(law, 0.1)
 
 
 def cut(rows: slice):
