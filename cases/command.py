@@ -115,10 +115,13 @@ def reference(
     elastic: Annotated[bool, typer.Option("--elastic", help="A body that never yields.")] = False,
     radius: Annotated[str, _option("Half the height of the body, such as '5 um'; 1 m without it.")] = "1",
     aspect: Annotated[str, _option("Equatorial semi-axis over radius; 1 is a sphere.")] = "1",
+    profile: Annotated[Path | None, _option("POINTS.csv: columns r,z in m, pole to mid-plane; any body of revolution (gmsh).")] = None,
     unload_from: Annotated[list[str] | None, _option("D1 D2 ...: overlaps over radius to unload from.")] = None,
     max_overlap: Annotated[Text, _option("Largest overlap over radius; default: the largest of --unload-from.")] = None,
     tolerance: Annotated[str, _option("Relative error asked for; 0.01 without it.")] = "0.01",
-    fields: Annotated[Path | None, _option("Folder for deformed meshes with stress and plastic strain (.vtu).")] = None,
+    fields: Annotated[
+        Path | None, _option("Folder for deformed meshes with stress and plastic strain (.vtu), at each of --unload-from.")
+    ] = None,
     out: Annotated[Path | None, _option("CURVE.csv or CURVE.parquet.")] = None,
 ) -> None:
     """Compute one finite-element reference curve of a body pressed against a rigid frictionless flat."""
@@ -132,7 +135,7 @@ def reference(
         "radius": radius,
     }
     values |= {"aspect": aspect, "unload_from": unload_from or [], "max_overlap": max_overlap, "tolerance": tolerance}
-    stopped = single.reference(_given(values), out, fields)
+    stopped = single.reference(_given(values), out, fields, profile)
     if stopped:
         print(f"fe2dem: stopped early: {stopped}; the curve up to there is in {out}", file=sys.stderr)
         raise typer.Exit(FAILED)

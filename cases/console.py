@@ -22,6 +22,8 @@ from cases.store import Record
 out = Console(highlight=False, soft_wrap=True)
 log = Console(stderr=True, highlight=False, soft_wrap=True)
 MARKS = {"ok": "[green]ok[/]", "missing": "[red]missing[/]", "optional": "[yellow]optional[/]"}
+#: correlation coefficient, in magnitude, beyond which two parameters are named as hardly told apart
+CORRELATED = 0.9
 COLOURS = {"done": "green", "stopped": "yellow", "failed": "red"}
 
 
@@ -45,7 +47,8 @@ class Progress:
         self._bars = _bars()
         self._shown: dict[str, TaskID] = {}
         self._total = len(tasks)
-        self._reused = 0
+        self._reused: set[str] = set()
+        self._said: set[str] = set()  # notes, which many scenes have in common
 
     def __enter__(self) -> Progress:
         self._bars.start()
@@ -56,11 +59,12 @@ class Progress:
 
     def reused(self, task: Task, record: Record) -> None:
         """A result that is there already."""
-        self._reused += 1
+        self._reused.add(task.id)
         log.print(
             f"[cyan]reused[/]   {task.id}"
             + (f": {_one_line(record)}" if record.reason else f"  ({record.cpu_seconds:.1f} CPU s when it was made)")
         )
+        _say_how_good(record)
 
     def started(self, task: Task) -> None:
         """A task has been handed to a process."""
@@ -69,7 +73,9 @@ class Progress:
             log.print(f"started  {task.id}")
 
     def advanced(self, task: Task, fraction: float, text: str) -> None:
-        """A task says how far it is."""
+        """A task says how far it is; what a scene says before its first step stays on the screen."""
+        if fraction == 0.0 and task.kind == "scenes":
+            self._note(task, text)
         if task.id in self._shown:
             self._bars.update(self._shown[task.id], completed=fraction, text=text)
 
@@ -81,14 +87,39 @@ class Progress:
         log.print(
             f"[{colour}]{record.state:8}[/] {task.id}: " + (_one_line(record) if record.reason else f"{record.cpu_seconds:.1f} CPU s")
         )
+        for text in record.summary.get("notes", ()):  # a short scene may be over before its messages arrive
+            self._note(task, text)
+        _say_how_good(record)
+
+    def _note(self, task: Task, text: str) -> None:
+        """A line on what is computed and what is left out, or what is wrong with that; once even if several scenes say it."""
+        if text not in self._said:
+            self._said.add(text)
+            kind = "[yellow]warning[/] " if text.startswith("warning: ") else "[dim]note[/]    "
+            log.print(f"{kind} {task.id}: {escape(text.removeprefix('warning: '))}")
 
     def summarise(self, records: Iterable[Record]) -> None:
         """One line for the whole run."""
         records = list(records)
         bad = sum(record.state != "done" for record in records)
-        new = sum(record.cpu_seconds for record in records)
-        text = f"{self._total} results: {self._reused} reused, {self._total - self._reused} computed"
-        out.print(f"{text}, [red]{bad} failed or stopped early[/]" if bad else f"{text}; all together took {new:.1f} CPU s")
+        new = sum(record.cpu_seconds for record in records if record.task not in self._reused)
+        text = f"{self._total} results: {len(self._reused)} reused, {self._total - len(self._reused)} computed"
+        cost = f"; this run took {new:.1f} CPU s" if len(self._reused) < self._total else ""
+        out.print(f"{text}, [red]{bad} failed or stopped early[/]" + cost if bad else text + cost)
+
+
+def _say_how_good(record: Record) -> None:
+    """The measures that a scene is judged by, and whatever a result warns of."""
+    statistics = record.summary.get("statistics")
+    if statistics:
+        deepest = statistics["time_step_over_critical_at_largest_overlap"]
+        log.print(
+            f"         {record.task}: energy balance closes to {statistics['energy_balance']:.2g}; time step up to "
+            f"{max(statistics['dt_over_critical']):.3g} of the critical one ({deepest:.3g} at the largest overlap that was reached)"
+        )
+    for warning in dict.fromkeys(record.summary.get("warnings", ())):  # several stages may warn of the same
+        if warning != record.reason:
+            log.print(f"[yellow]warning[/]  {record.task}: {escape(warning)}")
 
 
 def _one_line(record: Record) -> str:
@@ -141,18 +172,23 @@ def show_fit(fit: Any, path: Path | None) -> None:
         "differences from the curves: "
         + ", ".join(f"{k.replace('_', ' ')} {percent(v)}" for k, v in fit.residuals._asdict().items() if v is not None)
     )
-    out.print(
-        f"good up to overlap {fit.fitted.max_overlap:.4g} m; condition number {number(fit.condition_number, 3)}; {_correlations(fit)}"
-    )
+    out.print(f"good up to overlap {fit.fitted.max_overlap:.4g} m; condition number {number(fit.condition_number, 3)}")
+    out.print(correlations(fit.free, fit.correlation))
     for warning in fit.warnings:
         log.print(f"[yellow]warning[/] {escape(warning)}")
     if path is not None:
         out.print(f"saved: {path}")
 
 
-def _correlations(fit: Any) -> str:
-    pairs = [f"{fit.free[i]}/{fit.free[j]} {fit.correlation[i, j]:+.3f}" for j in range(len(fit.free)) for i in range(j)]
-    return "correlation " + ", ".join(pairs) if pairs else "no correlations (fewer than two fitted parameters)"
+def correlations(names: Sequence[str], matrix: Any) -> str:
+    """The pairs of fitted parameters that the curves can hardly tell apart; NaN, of those they say nothing about, is no correlation.
+
+    >>> correlations(("a", "b", "c"), [[1.0, -0.95, 0.3], [-0.95, 1.0, float("nan")], [0.3, float("nan"), 1.0]])
+    'correlations beyond 0.9: a/b -0.950'
+    """
+    pairs = [(names[i], names[j], matrix[i][j]) for j in range(len(names)) for i in range(j)]
+    high = [f"{first}/{second} {value:+.3f}" for first, second, value in pairs if abs(value) > CORRELATED]
+    return f"correlations beyond {CORRELATED:g}: {', '.join(high) or 'none'}"
 
 
 def show_status(case: Mapping[str, Any], records: Sequence[Record | None]) -> None:

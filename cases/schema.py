@@ -203,6 +203,8 @@ def read_scene(path: str | Path, law: Path | None) -> tuple[Scene, Path]:
         problems.append(Problem("law", None, "is needed", "give --law LAW.json, or law = 'LAW.json' in the scene file"))
     elif not file.is_file():
         problems.append(Problem("law", str(file), "is no file", "make one with `fe2dem fit CURVE --law NAME --out LAW.json`"))
+    else:
+        problems += _law_problems("law", file)
     if scene is None or file is None or problems:
         raise InputError(problems)
     return scene, file.resolve()
@@ -276,11 +278,60 @@ def _cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) 
         yield from _reference(f"fits.{name}.law", fit.law, known_laws(), bound="is not a law that can be fitted")
         for curve_name in fit.curves:
             yield from _reference(f"fits.{name}.curves", curve_name, declared.get("curves", ()), folder)
+            if is_file(curve_name) and (folder / curve_name).is_file():
+                yield from _curve_problems(f"fits.{name}", folder / curve_name, fit, case)
+    yield from _twins(case, folder)
     for kind, tables in (("impacts", case.impacts), ("scenes", case.scenes)):
         for name, table in tables.items():
             yield from _reference(f"{kind}.{name}.fit", table.fit, declared.get("fits", ()), folder)
+            if is_file(table.fit) and (folder / table.fit).is_file():
+                yield from _law_problems(f"{kind}.{name}.fit", folder / table.fit)
     for name, scene in case.scenes.items():
         yield from _density_problems(f"scenes.{name}.packing_fraction", scene.packing_fraction)
+
+
+def _curve_problems(name: str, file: Path, fit: FitTable, case: Case) -> Iterator[Problem]:
+    """What is wrong with a curve's file, read as the fit will read it."""
+    from contactlaws.curve_files import read_curve
+
+    material = case.materials.get(fit.material) if fit.material is not None else None
+    try:
+        read_curve(file, radius=fit.radius, material=None if material is None else material.record())
+    except InputError as error:
+        yield from (problem._replace(name=f"{name}: {problem.name}") for problem in error.problems)
+
+
+def _law_problems(name: str, file: Path) -> Iterator[Problem]:
+    """What is wrong with a law's file."""
+    from contactlaws import fitted
+
+    try:
+        fitted.load(file)
+    except InputError as error:
+        yield from (problem._replace(name=f"{name}: {problem.name}") for problem in error.problems)
+
+
+def _twins(case: Case, folder: Path) -> Iterator[Problem]:
+    """Fits that would give the same law twice: a table of laws has one row for each law and set of curves."""
+    seen: dict[Any, str] = {}
+    for name, fit in case.fits.items():
+        curves = tuple(sorted(_identity(curve, fit, case, folder) for curve in fit.curves))
+        first = seen.setdefault((fit.law, curves), name)
+        if first != name:
+            yield Problem(f"fits.{name}", fit.law, f"the same law on the same curves as fits.{first}", f"remove it, and use fits.{first}")
+
+
+def _identity(curve: str, fit: FitTable, case: Case, folder: Path) -> str:
+    """Text that two curves share if they are the same one, under whatever name."""
+    if is_file(curve):
+        material = case.materials.get(fit.material or "")
+        return f"{(folder / curve).resolve()} {fit.radius} {material and material.record()}"
+    table = case.curves.get(curve)
+    material = case.materials.get(table.material) if table is not None else None
+    if table is None or material is None:
+        return curve
+    depths = sorted({*table.unload_from}), max((*table.unload_from, table.max_overlap or 0.0))
+    return f"{material.record(table.elastic)._replace(density=None)} {table.radius} {table.aspect} {table.tolerance} {depths}"
 
 
 def _density_problems(name: str, packing_fraction: float) -> Iterator[Problem]:

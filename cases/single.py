@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
 from cases import console
+from cases.profile_file import read_profile
 from cases.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress
 from cases.store import problems_with_folder, problems_with_writing
 from cases.validation import suggestion, validated
@@ -19,8 +21,11 @@ M = TypeVar("M", bound=BaseModel)
 CURVE_FILES = (".csv", ".parquet")
 
 
-def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None) -> str | None:
-    """Compute and write one curve; returns why it stopped early, if it did. Raises `InputError` before computing."""
+def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None, profile: Path | None = None) -> str | None:
+    """Compute and write one curve; returns why it stopped early, if it did. Raises `InputError` before computing.
+
+    `profile`: a file with the meridian of a body of revolution, in place of radius and aspect.
+    """
     body, problems = _checked(CurveOptions, options)
     problems += _problems_with_output("--out", out, CURVE_FILES, needed=True)
     if body is not None:
@@ -30,18 +35,21 @@ def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None)
     if "yield_stress" not in options and not options.get("elastic"):
         problems.append(missing_yield_stress("--yield-stress", "is needed for a plastic body"))
     if fields is not None:
-        problems += problems_with_folder("--fields", fields)
+        problems += problems_with_fields(fields, options["unload_from"])
+    points: list[tuple[float, float]] = []
+    if profile is not None:
+        points, found = read_profile(profile)
+        problems += [*found, *_rivals_of_a_profile(options)]
     if body is None or out is None or problems:
         raise InputError(_in_words_of_options(problems))
 
     import fem
     from contactlaws.curve_files import write_curve
 
+    press = partial(fem.press, radius=body.radius, aspect=body.aspect) if profile is None else partial(fem.press_profile, points)
     with console.bar("reference curve") as progress:
-        curve = fem.press(
-            body.record(body.elastic),
-            radius=body.radius,
-            aspect=body.aspect,
+        curve = press(
+            material=body.record(body.elastic),
             unload_from=body.unload_from,
             max_overlap=body.max_overlap,
             tolerance=body.tolerance,
@@ -51,6 +59,20 @@ def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None)
     write_curve(curve, out)
     console.show_curve(curve, out)
     return curve.stopped
+
+
+def problems_with_fields(folder: Path, unload_from: Sequence[Any]) -> Iterator[Problem]:
+    """Fields are those of the states at both ends of each unloading: without one there are none."""
+    if unload_from:
+        yield from problems_with_folder("--fields", folder)
+    else:
+        yield Problem("--fields", str(folder), "fields are written where the body is unloaded, and it never is", "give --unload-from too")
+
+
+def _rivals_of_a_profile(options: Mapping[str, Any]) -> Iterator[Problem]:
+    for name in ("radius", "aspect"):
+        if options.get(name, "1") != "1":
+            yield Problem(f"--{name}", options[name], "a profile says itself how large and how wide the body is", "leave it out")
 
 
 def fit(curves: Sequence[Path], law: str | None, out: Path | None, sample: Mapping[str, Any]) -> None:
@@ -104,7 +126,10 @@ def impact(law: Path | None, options: Mapping[str, Any], out: Path | None) -> No
     from cases.work import range_warnings
     from dem.impact import restitution
 
-    table = restitution(record.law, spheres.radius, spheres.density, spheres.speed)
+    try:
+        table = restitution(record.law, spheres.radius, spheres.density, spheres.speed)
+    except InputError as error:
+        raise InputError(_in_words_of_options(error.problems)) from error
     if out is not None:
         rows = zip(*(column.tolist() for column in table), strict=True)
         write_text(out, "\n".join((",".join(table._fields), *(",".join(map(repr, row)) for row in rows))) + "\n")

@@ -39,12 +39,12 @@ def _end_with_parent() -> None:
 
 
 def reporter(task: Task) -> Callable[[float, str], None]:
-    """A progress callback for one task that sends a message now and then."""
+    """A progress callback for one task that sends a message now and then, and all that is said before the work begins."""
     last = 0.0
 
     def report(fraction: float, text: str) -> None:
         nonlocal last
-        if _messages is not None and time.monotonic() - last >= INTERVAL:
+        if _messages is not None and (fraction == 0.0 or time.monotonic() - last >= INTERVAL):
             last = time.monotonic()
             _messages.put((task.id, float(fraction), text))
 

@@ -58,7 +58,7 @@ def time_step(law: object, particles: Particles, overlap: float, fraction: float
 
 @kernel
 def overlap_absorbing(law, scale, energy, step, limit):  # type: ignore[no-untyped-def]
-    """Overlap in m at which the first loading of a pair has taken up `energy` (J), scanned in increments of `step` (m) up to `limit` (m)."""
+    """Overlap in m at which the first loading of a pair has taken up `energy` (J), scanned from `step` (m) up to `limit` (m)."""
     state = dispatch.initial_state(law)
     overlap, before, work = 0.0, 0.0, 0.0
     while work < energy and overlap < limit:

@@ -13,10 +13,12 @@ import pytest
 
 from cases.command import BAD_INPUT, execute
 from contactlaws.curve import Curve
-from contactlaws.curve_files import write_curve
+from contactlaws.curve_files import read_curve, write_curve
 from contactlaws.elastic import Hertz
+from contactlaws.errors import InputError
 from contactlaws.fitted import FittedLaw, save
 from contactlaws.path import scan
+from fem.profile import load_gmsh
 
 HERTZ = Hertz(radius=1.0, reduced_modulus=1e9)
 
@@ -76,6 +78,8 @@ MATERIAL = {
         ("--out", "x.txt", ("--out = 'x.txt'", ".csv or .parquet")),
         ("--out", "nowhere/x.csv", ("there is no folder",)),
         ("--fields", "good.csv", ("--fields", "cannot be created")),
+        ("--profile", "nothing.csv", ("nothing.csv", "cannot be read")),
+        ("--profile", "good.csv", ("header", "must be r,z")),
     ],
 )
 def test_a_material_that_cannot_be_pressed(
@@ -85,6 +89,72 @@ def test_a_material_that_cannot_be_pressed(
     said = refused(capsys, "reference", *(part for pair in options.items() for part in pair))
     assert all(word in said for word in words), said
     assert not (place / "x.csv").exists()
+
+
+def test_fields_without_an_unloading_are_refused(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    options = {name: text for name, text in MATERIAL.items() if name != "--unload-from"} | {"--max-overlap": "0.05", "--fields": "fields"}
+    said = refused(capsys, "reference", *(part for pair in options.items() for part in pair))
+    assert "--fields = 'fields'" in said
+    assert "give --unload-from" in said
+    assert not (place / "fields").exists()
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ("r,z\n0,1\n0.5,x\n1,0\n", ("point 2 = '0.5,x'", "two numbers")),
+        ("r,z\n0,1\n0.5,nan\n1,0\n", ("points[1]", "finite")),
+        ("r,z\n0.1,1\n0.9,0.9\n1,0.5\n", ("points[0]", "pole", "mid-plane")),
+    ],
+)
+def test_a_profile_that_cannot_be_pressed(place: Path, capsys: pytest.CaptureFixture[str], points: str, words: tuple[str, ...]) -> None:
+    (place / "points.csv").write_text(points)
+    options = MATERIAL | {"--profile": "points.csv", "--aspect": "2", "--radius": "5 um"}
+    said = refused(capsys, "reference", *(part for pair in options.items() for part in pair))
+    assert all(word in said for word in (*words, "--aspect = '2'", "--radius = '5 um'", "leave it out")), said
+
+
+def sphere_profile(folder: Path) -> None:
+    """points.csv: a unit sphere's meridian, every five degrees."""
+    angle = np.linspace(0.0, np.pi / 2.0, 19)
+    rows = [f"{r!r},{z!r}" for r, z in zip(np.sin(angle).tolist(), [*np.cos(angle[:-1]).tolist(), 0.0], strict=True)]
+    (folder / "points.csv").write_text("\n".join(("# a sphere", "r,z", *rows)) + "\n")
+
+
+def test_a_profile_without_gmsh(place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    sphere_profile(place)
+    options = MATERIAL | {"--profile": "points.csv"}
+    assert "pip install gmsh" in refused(capsys, "reference", *(part for pair in options.items() for part in pair))
+
+
+def gmsh_is_missing() -> str:
+    """Why gmsh does not load here; empty if it does."""
+    try:
+        load_gmsh()
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.compiled_only(reason="a finite-element curve takes minutes interpreted")
+@pytest.mark.skipif(bool(gmsh_is_missing()), reason=gmsh_is_missing())
+def test_a_profile_is_pressed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sphere given as points obeys Hertz, but for a/2R from its being finite (1.6 % at this overlap) and the tolerance."""
+    monkeypatch.chdir(tmp_path)
+    sphere_profile(tmp_path)
+    options = ["--youngs-modulus", "1000", "--poissons-ratio", "0.3", "--elastic", "--max-overlap", "0.001", "--tolerance", "0.2"]
+    assert execute(["reference", "--profile", "points.csv", *options, "--out", "curve.csv"]) == 0
+    curve = read_curve("curve.csv")
+    assert (curve.radius, curve.aspect) == (1.0, pytest.approx(1.0))
+    hertz = 4.0 / 3.0 * 1000.0 / (1.0 - 0.3**2) * curve.overlap[-1] ** 1.5
+    assert curve.force[-1] / hertz == pytest.approx(1.016, abs=0.02)
+
+
+def test_speeds_at_which_nothing_collides(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = refused(capsys, "impact", "law.json", "--radius", "1", "--density", "1000", "--speed", "1", "1e6", "1e-30")
+    assert "--speed = 1000000.0: so fast" in said
+    assert "--speed = 1e-30: so slow" in said
 
 
 def test_all_problems_of_one_call_come_at_once(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -190,3 +260,32 @@ def test_help_and_laws(capsys: pytest.CaptureFixture[str]) -> None:
 def test_help_loads_nothing_heavy() -> None:
     code = "import sys; from cases.command import execute; execute(['--help']); sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], stdout=subprocess.DEVNULL, check=False).returncode == 0
+
+
+def test_a_finished_result_comes_with_its_warnings(capfd: pytest.CaptureFixture[str]) -> None:
+    """Off a terminal too; a warning stands there for new results and for reused ones, a note once for all scenes."""
+    from cases.console import Progress
+    from cases.plan import Task
+    from cases.store import Record
+
+    statistics = {"energy_balance": 2e-4, "dt_over_critical": [0.4, 0.3], "time_step_over_critical_at_largest_overlap": 0.45}
+    scene = {"notes": ["periodic: no walls"], "warnings": ["inertia [shows]"], "statistics": statistics}
+    tasks = [Task("fits", "law", {}), Task("scenes", "a", {}), Task("scenes", "b", {})]
+    records = [
+        Record("fits.law", "k", "done", cpu_seconds=100.0, summary={"warnings": ["parameter x is not determined"]}),
+        Record("scenes.a", "k", "done", cpu_seconds=2.0, summary=scene),
+        Record("scenes.b", "k", "done", cpu_seconds=3.0, summary=scene),
+    ]
+    with Progress(tasks) as progress:
+        progress.reused(tasks[0], records[0])
+        for task, record in zip(tasks[1:], records[1:], strict=True):
+            progress.started(task)
+            progress.advanced(task, 0.0, "periodic: no walls")
+            progress.finished(task, record)
+        progress.summarise(records)
+    said, err = capfd.readouterr()
+    assert "this run took 5.0 CPU s" in said
+    assert err.count("periodic: no walls") == 1
+    assert "fits.law: parameter x is not determined" in err
+    assert err.count("inertia [shows]") == 2
+    assert "scenes.b: energy balance closes to 0.0002; time step up to 0.4 of the critical one (0.45 at" in err

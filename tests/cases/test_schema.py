@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from cases import schema
+from contactlaws.elastic import Hertz
 from contactlaws.errors import InputError
+from contactlaws.fitted import FittedLaw, save
 
 ROOT = Path(__file__).parents[2]
 
@@ -44,6 +46,12 @@ def test_units_become_si(tmp_path: Path) -> None:
 def test_the_quickstart_is_right() -> None:
     case = schema.read_case(ROOT / "cases" / "quickstart.toml")
     assert {table.fit for table in (*case.impacts.values(), *case.scenes.values())} <= set(case.fits)
+
+
+def test_the_example_of_a_scene_is_right(tmp_path: Path) -> None:
+    save(FittedLaw(Hertz(5e-6, 151e9), max_overlap=5e-7), tmp_path / "law.json")
+    scene, law = schema.read_scene(ROOT / "cases" / "scene.toml", tmp_path / "law.json")
+    assert (scene.radius, scene.release, law.name) == (5e-6, True, "law.json")
 
 
 def test_all_problems_of_a_file_come_at_once(tmp_path: Path) -> None:
@@ -133,3 +141,62 @@ def test_what_is_no_toml_is_said_so(tmp_path: Path, text: str) -> None:
 def test_a_missing_file_is_said_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         schema.read_case(tmp_path / "nowhere.toml")
+
+
+def test_files_that_a_case_names_are_read_before_computing(tmp_path: Path) -> None:
+    """Damaged measured curves and laws are found with all other mistakes, each under the table that names it."""
+    (tmp_path / "nan.csv").write_text("overlap,force\n0,0\n1e-7,nan\n2e-7,1\n")
+    (tmp_path / "sizeless.csv").write_text("overlap,force\n0,0\n1e-7,0.5\n2e-7,1\n")
+    (tmp_path / "empty.json").write_text("{}")
+    spheres = "radius = 5e-6\ndensity = 4750\n"
+    found = problems(
+        tmp_path,
+        f"""{GOOD}
+        [fits.a]
+        law = "hertz"
+        curves = ["nan.csv"]
+        radius = 5e-6
+        [fits.b]
+        law = "hert"
+        curves = ["sizeless.csv"]
+        [impacts.c]
+        fit = "empty.json"
+        speed = [1]
+        {spheres}
+        [scenes.d]
+        fit = "empty.json"
+        count = 20
+        packing_fraction = 0.7
+        strain = 0.01
+        {spheres}""",
+    )
+    messages = "\n".join(found.values())
+    assert any(name.startswith("fits.a: ") and "nan.csv" in name for name in found), messages
+    assert "sizeless.csv does not say how large" in found["fits.b: radius"]
+    assert "did you mean 'hertz'?" in found["fits.b.law"]
+    assert any(name.startswith("impacts.c.fit: ") for name in found), messages
+    assert any(name.startswith("scenes.d.fit: ") for name in found), messages
+    assert "0.64" in found["scenes.d.packing_fraction"]
+
+
+def test_the_law_of_a_scene_is_read_before_computing(tmp_path: Path) -> None:
+    (tmp_path / "empty.json").write_text("")
+    (tmp_path / "scene.toml").write_text(
+        "law = 'empty.json'\nradius = 1\ndensity = -1\ncount = 20\npacking_fraction = 0.5\nstrain = 0.01\n"
+    )
+    with pytest.raises(InputError) as caught:
+        schema.read_scene(tmp_path / "scene.toml", None)
+    assert {problem.name.split(":")[0] for problem in caught.value.problems} == {"density", "law"}
+
+
+@pytest.mark.parametrize("second", ["plastic", "same"])
+def test_the_same_law_on_the_same_curves_is_refused(tmp_path: Path, second: str) -> None:
+    """Also under another name: `same` is the first curve word for word. A curve that goes further is another curve."""
+    curves = '[curves.same]\nmaterial = "nmc"\nradius = 5e-6\nunload_from = [0.05, 0.1]\nmax_overlap = 0.1\n'
+    fits = f'[fits.a]\nlaw = "thornton"\ncurves = ["plastic"]\n[fits.b]\nlaw = "thornton"\ncurves = ["{second}"]\n'
+    assert "same curves as fits.a" in problems(tmp_path, GOOD + curves + fits)["fits.b"]
+    (tmp_path / "case.toml").write_text(
+        GOOD + curves.replace("max_overlap = 0.1", "max_overlap = 0.2") + fits.replace("plastic", "same", 1)
+    )
+    if second == "plastic":
+        assert set(schema.read_case(tmp_path / "case.toml").fits) == {"a", "b"}
