@@ -20,7 +20,8 @@ SHARE_LEFT = 0.5
 #: no estimate is smaller than this over the square of the divisions: where errors of opposite sign cancel in one mesh, they need not in
 #: the other; measured at E/Y = 50
 SMALLEST_ERROR = 0.16
-SMALLEST_EXPONENT_ERROR = 0.005
+#: nor, for what an unloading recovers and its exponent, than this over the divisions: the scatter that the mean of two phases leaves
+SMALLEST_STIFFNESS_ERROR, SMALLEST_EXPONENT_ERROR = 0.035, 0.08
 
 
 class Scales(NamedTuple):
@@ -69,14 +70,14 @@ def _relative(better: FloatArray, fine: FloatArray, least: float) -> float:
     return max(least, SHARE_LEFT * float(change[change.size // 5 :].mean()))
 
 
-def _branch_errors(pairs: list[tuple[Branch, Branch]], force: float, least: float) -> dict[str, float]:
+def _branch_errors(pairs: list[tuple[Branch, Branch]], force: float, divisions: int) -> dict[str, float]:
     """Mean over the unloadings of half the difference between the meshes."""
     if not pairs:
         return {}
     change = [f.recovered / c.recovered - 1.0 for f, c in pairs]
-    shift = [readout.exponent(f) - readout.exponent(c) for f, c in pairs]
-    stiffness = max(least, SHARE_LEFT * float(np.abs(change).mean()))
-    exponent = max(SMALLEST_EXPONENT_ERROR, SHARE_LEFT * float(np.abs(shift).mean()))
+    shift = [readout.exponent(f.overlap, f.force) - readout.exponent(c.overlap, c.force) for f, c in pairs]
+    stiffness = max(SMALLEST_STIFFNESS_ERROR / divisions, SHARE_LEFT * float(np.abs(change).mean()))
+    exponent = max(SMALLEST_EXPONENT_ERROR / divisions, SHARE_LEFT * float(np.abs(shift).mean()))
     return {"unloading_stiffness": stiffness, "unloading_exponent": exponent, "recovered_energy": force + stiffness}
 
 
@@ -105,10 +106,10 @@ def compose(
     least = SMALLEST_ERROR / divisions**2
     errors = {"force": _relative(rows.force, own.force, least)}
     errors |= {"contact_radius": _relative(rows.contact_radius, own.contact_radius, least)}
-    errors |= _branch_errors(branches, errors["force"], least)
+    errors |= _branch_errors(branches, errors["force"], divisions)
     raw = np.interp(overlap, fine.path_overlap, fine.path_force)
     columns = {
-        "overlap": np.concatenate([[0.0], overlap, *(u.overlap for u in unloads)]) * scale.length,
+        "overlap": np.concatenate([[0.0], overlap, *(np.maximum(u.overlap, 0.0) for u in unloads)]) * scale.length,
         "force": np.concatenate([[0.0], rows.force, *(u.force for u in unloads)]) * scale.force,
         "raw_force": np.concatenate([[0.0], raw, *(u.raw_force for u in unloads)]) * scale.force,
         "contact_radius": np.concatenate([[0.0], rows.contact_radius, *(u.contact_radius for u in unloads)]) * scale.length,

@@ -25,7 +25,7 @@ from contactlaws.errors import InputError, Problem, require
 from contactlaws.material import Material
 from fem.assembly import Discretisation, discretise
 from fem.mesh import FloatArray, IntArray, Section
-from fem.press import Progress, press_body, problems_with_run, resolution_for
+from fem.press import Progress, press_body, problems_with_run, programme, resolution_for
 
 #: Debian's packages with the shared libraries that gmsh's wheel links to
 GMSH_PACKAGES = "libglu1-mesa libgl1 libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1 libgomp1"
@@ -236,15 +236,13 @@ def press_profile(
     """
     shape = meridian(points)
     radius, aspect = float(np.asarray(points, dtype=np.float64)[0, 1]), float(shape.radius[-1])
-    require(problems_with_run(material, radius, aspect, unload_from, max_overlap))
-    resolution = resolution_for(tolerance)
-    overlaps = sorted({float(d) for d in unload_from})
-    largest = max([*overlaps, *(() if max_overlap is None else (float(max_overlap),))])
-    core = core_for(shape, largest, min([largest, *overlaps]))
+    require(problems_with_run(material, radius, aspect, unload_from, max_overlap, tolerance))
+    asked = programme(unload_from, max_overlap)
+    core = core_for(shape, asked.largest, asked.smallest)
     load_gmsh()
 
     def body(divisions: int) -> Discretisation:
         return discretise(profile_section(shape, divisions, core))
 
-    curve = press_body(body, material, radius, aspect, overlaps, largest, resolution, lambda: None, fields, progress)
+    curve = press_body(body, material, radius, aspect, asked, resolution_for(tolerance), lambda: None, fields, progress)
     return replace(curve, errors={name: max(value, SMALLEST_ERROR * tolerance) for name, value in curve.errors.items()})

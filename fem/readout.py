@@ -80,10 +80,13 @@ def extrapolated(fine: Loading, coarse: Loading) -> Loading:
     )
 
 
-def exponent(branch: Branch | Unloading) -> float:
-    """Best exponent in least squares of F/F_max = ((d - d_0)/(d_max - d_0))^alpha (Edmans & Sinka 2020, Eq. 2)."""
-    s = (branch.overlap - branch.overlap[-1]) / (branch.overlap[0] - branch.overlap[-1])
-    f = branch.force / branch.force[0]
+def exponent(overlap: FloatArray, force: FloatArray) -> float:
+    """Best exponent in least squares of F/F_max = ((d - d_0)/(d_max - d_0))^alpha (Edmans & Sinka 2020, Eq. 2).
+
+    overlap, force: one unloading from its start to its separation, any units.
+    """
+    s = (overlap - overlap[-1]) / (overlap[0] - overlap[-1])
+    f = force / force[0]
     inside = (s > 0.0) & (s < 1.0)
     s, f, alpha = s[inside], f[inside], 1.4
     for _ in range(30):

@@ -11,9 +11,6 @@ import math
 
 from contactlaws.compiled import kernel
 
-#: a converged plastic point sits on the yield surface to round-off; below this share of it, it counts as plastic
-ON_YIELD = 1.0 - 1e-7
-
 
 @kernel
 def principal(b11, b22, b12):  # type: ignore[no-untyped-def]
@@ -46,7 +43,7 @@ def radial_return(e1, e2, e3, shear_modulus, flow_stress):  # type: ignore[no-un
     s3 = 2.0 * shear_modulus * (e3 - mean)
     q = math.sqrt(1.5 * (s1 * s1 + s2 * s2 + s3 * s3))
     ratio = 1.0
-    if q > flow_stress * ON_YIELD:
+    if q > flow_stress:
         ratio = flow_stress / q
     return s1 * ratio, s2 * ratio, s3 * ratio, ratio, q
 

@@ -57,11 +57,8 @@ def recovered(curve: Curve) -> FloatArray:
 
 def exponents(curve: Curve) -> FloatArray:
     """Exponent of the power law that fits each unloading best (Edmans & Sinka 2020, Eq. 2)."""
-    found = []
-    for k in curve.unloadings:
-        overlap, force = curve.overlap[curve.rows(k)], curve.force[curve.rows(k)]
-        found.append(readout.exponent(readout.Unloading(overlap, force, *[np.zeros_like(force)] * 4)))
-    return np.array(found)
+    rows = [curve.rows(k) for k in curve.unloadings]
+    return np.array([readout.exponent(curve.overlap[r], curve.force[r]) for r in rows])
 
 
 def mean_difference(curve: Curve, finer: Curve, name: str) -> float:

@@ -15,7 +15,6 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -59,6 +58,7 @@ class Comparison(NamedTuple):
     exponent: float | None  # difference
     inside: float | None  # share of contact radii within the bracket
     outside_by: float | None  # farthest from the bracket, over the radius of contact
+    radius_error: float  # the curve's own estimate for its contact radius
     cpu_seconds: float
 
     def broken(self) -> list[str]:
@@ -67,6 +67,7 @@ class Comparison(NamedTuple):
             ("force", max(self.force_by_work, self.force_pointwise, key=abs), FORCE_BOUND),
             ("unloading stiffness", self.stiffness, STIFFNESS_BOUND),
             ("unloading exponent", self.exponent, EXPONENT_BOUND),
+            ("contact radius outside its bracket", self.outside_by, self.radius_error),
         )
         return [f"{name} {value:+.4f} (bound {bound})" for name, value, bound in rows if value is not None and not abs(value) <= bound]
 
@@ -102,7 +103,7 @@ def separation(overlap: FloatArray, force: FloatArray) -> float:
 
 def _exponent(overlap: FloatArray, force: FloatArray, zero: float) -> float:
     """Least-squares exponent of an unloading that ends at `zero`."""
-    return exponent(SimpleNamespace(overlap=np.append(overlap, zero), force=np.append(force, 0.0)))  # type: ignore[arg-type]
+    return exponent(np.append(overlap, zero), np.append(force, 0.0))
 
 
 def _unloading(curve: Curve, reference: Reference) -> tuple[float, float] | tuple[None, None]:
@@ -137,7 +138,7 @@ def compare(curve: Curve, reference: Reference) -> Comparison:
     by_work = float(np.trapezoid(own, x) / np.trapezoid(f, x) - 1.0)
     stiffness, shift = _unloading(curve, reference)
     cost = float(curve.provenance["cpu_seconds"])
-    return Comparison(by_work, float((own / f - 1.0).mean()), stiffness, shift, inside, outside_by, cost)
+    return Comparison(by_work, float((own / f - 1.0).mean()), stiffness, shift, inside, outside_by, curve.errors.get("contact_radius", 0.0), cost)
 
 
 def compute(reference: Reference, tolerance: float) -> Curve:

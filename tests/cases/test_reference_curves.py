@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,16 @@ def test_differences_put_in_are_found(folder, factor, zero, exponent):
     assert found.exponent == pytest.approx(exponent - EXPONENT, abs=1e-3)
     assert found.inside == 1.0
     assert bool(found.broken()) == (factor != 1.0)
+
+
+@pytest.mark.parametrize(("factor", "outside"), [(1.005, 0.0), (1.03, 0.02), (0.96, 0.03)])
+def test_a_radius_out_of_its_bracket_breaks_the_bound(folder, factor, outside):
+    """The bracket is 1 % to both sides; the curve's own estimate of its radius error, 1.5 %, is let pass."""
+    own = own_curve()
+    moved = replace(own, contact_radius=factor * own.contact_radius, errors={"contact_radius": 0.015})
+    found = reference_curves.compare(moved, reference_curves.read(folder / "E100_nu0.3_d0.05.csv"))
+    assert found.outside_by == pytest.approx(outside / factor, abs=1e-3)
+    assert [line.split(" outside")[0] for line in found.broken()] == (["contact radius"] if outside > 0.015 else [])
 
 
 def test_the_exit_code_tells_of_a_broken_bound(folder, monkeypatch, capsys):
