@@ -24,8 +24,8 @@ FloatArray = npt.NDArray[np.float64]
 FRACTION = 1e-3
 #: steps between two looks at whether it is over
 STRIDE = 200
-#: steps after which a collision that isn't over is given up; the stiffest unloadings take some 100 000
-LONGEST = 5_000_000
+#: steps after which a collision that isn't over is given up: a thousand times those of an elastic one, which has the fewest
+LONGEST = 2_000_000
 #: overlap over radius below which the round-off of positions shows in the result
 SHALLOWEST = 1e-9
 
