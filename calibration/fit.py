@@ -92,7 +92,7 @@ def fit(
         standard_errors=errors,
     )
     remarks = (*recipe.remarks(given, {*held, *names}), *_remarks(selected))
-    warnings = (*failed, *doubts(found, names, [p.above is not None for p in unknown]), *remarks)
+    warnings = (*failed, *doubts(found, names, [parameter.above for parameter in unknown]), *remarks)
     return Fit(fitted, names, found.correlation, found.condition_number, found.misfit, measures(outcome, selected), warnings, evaluations)
 
 

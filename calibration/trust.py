@@ -59,14 +59,15 @@ def trust(jacobian: FloatArray, residuals: FloatArray, error_product: FloatArray
     return Trust(errors, correlation, math.inf, misfit, weakest / np.linalg.norm(weakest))
 
 
-def doubts(found: Trust, names: Sequence[str], positive: Sequence[bool]) -> Iterator[str]:
-    """One sentence for each thing that the curves do not tell."""
-    for name, error, scaled in zip(names, found.errors, positive, strict=True):
+def doubts(found: Trust, names: Sequence[str], above: Sequence[float | None]) -> Iterator[str]:
+    """One sentence for each thing that the curves do not tell; `above` as in `calibration.recipes.Parameter`."""
+    for name, error, bound in zip(names, found.errors, above, strict=True):
         if not np.isfinite(error):
             yield f"{name} has no influence on these curves: it cannot be fitted to them"
-        elif scaled and error > LARGEST_RELATIVE_ERROR:
-            factor = math.exp(min(error, 700.0))  # the inner parameter is a logarithm
-            yield f"{name} is known to within a factor of {factor:.3g} only" if factor < NOT_DETERMINED else f"{name} is not determined"
+        elif bound is not None and error > LARGEST_RELATIVE_ERROR:
+            factor = math.exp(min(error, 700.0))  # the inner parameter is the logarithm of the distance from the bound
+            what = f"{name} - {bound:g}" if bound else name
+            yield f"{what} is known to within a factor of {factor:.3g} only" if factor < NOT_DETERMINED else f"{name} is not determined"
     for i, j in itertools.combinations(range(len(names)), 2):
         if abs(found.correlation[i, j]) > LARGEST_CORRELATION:
             yield f"{names[i]} and {names[j]} cannot be told apart (correlation {found.correlation[i, j]:+.4f})"

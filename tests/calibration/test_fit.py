@@ -197,8 +197,9 @@ def test_a_curve_that_never_pushes_is_refused(law: str, factor: float):
 
 
 def test_doubts_about_a_logarithm_are_said_as_a_factor():
-    found = Trust(np.array([0.6, 20.0, 0.4]), np.eye(3), 1.0, 0.0, np.zeros(3))
-    assert list(doubts(found, ["one", "two", "three"], [True] * 3)) == [
+    found = Trust(np.array([0.6, 20.0, 0.4, 0.6, 9.0]), np.eye(5), 1.0, 0.0, np.zeros(5))
+    assert list(doubts(found, ["one", "two", "three", "four", "any"], [0.0, 0.0, 0.0, 1.0, None])) == [
         "one is known to within a factor of 1.82 only",  # exp(0.6)
         "two is not determined",
+        "four - 1 is known to within a factor of 1.82 only",
     ]
