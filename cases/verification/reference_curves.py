@@ -138,7 +138,9 @@ def compare(curve: Curve, reference: Reference) -> Comparison:
     by_work = float(np.trapezoid(own, x) / np.trapezoid(f, x) - 1.0)
     stiffness, shift = _unloading(curve, reference)
     cost = float(curve.provenance["cpu_seconds"])
-    return Comparison(by_work, float((own / f - 1.0).mean()), stiffness, shift, inside, outside_by, curve.errors.get("contact_radius", 0.0), cost)
+    return Comparison(
+        by_work, float((own / f - 1.0).mean()), stiffness, shift, inside, outside_by, curve.errors.get("contact_radius", 0.0), cost
+    )
 
 
 def compute(reference: Reference, tolerance: float) -> Curve:
