@@ -43,7 +43,7 @@ def random_close_packing(count: int, packing_fraction: float, radius: float | np
     fraction that was reached, for one that this algorithm cannot find.
 
     >>> packing = random_close_packing(20, 0.5, 5e-6, seed=1)
-    >>> packing.position.shape, round(packing.packing_fraction, 12), packing.worst_overlap <= 1e-12
+    >>> packing.position.shape, round(packing.packing_fraction, 12), bool(packing.worst_overlap <= 1e-12)
     ((20, 3), 0.5, True)
     """
     require(_problems(count, packing_fraction, radius))
