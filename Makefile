@@ -40,7 +40,7 @@ format: $(READY) ## let ruff lay out the sources
 	@$(BIN)/ruff check --fix-only . && $(BIN)/ruff format .
 
 verify: $(READY) ## theory, convergence, tolerances, the whole material range; with FE2DEM_REFERENCE=FOLDER another code's curves
-	@echo "verify: the continuum solver against theory and its own finer meshes; about 15 minutes on one core"
+	@echo "verify: the continuum solver against theory and its own finer meshes; about 20 minutes on one core"
 	@$(BIN)/python -m cases.verification.continuum
 	@if [ -n "$$FE2DEM_REFERENCE" ]; then $(BIN)/python -m cases.verification.reference_curves; \
 	else echo "verify: no comparison with another code: FE2DEM_REFERENCE names no folder of its curves"; fi

@@ -152,7 +152,9 @@ def show_curve(curve: Any, path: Path) -> None:
     out.print(f"largest overlap {curve.overlap[rows][-1]:.6g} m, force {curve.force[rows][-1]:.6g} N")
     if curve.yield_overlap is not None:
         out.print(f"first yield at overlap {curve.yield_overlap:.6g} m")
-    out.print("estimated errors: " + (", ".join(f"{name} {percent(value)}" for name, value in curve.errors.items()) or "none stated"))
+    # the exponent's error is absolute
+    errors = [f"{name} {number(value, 2) if name == 'unloading_exponent' else percent(value)}" for name, value in curve.errors.items()]
+    out.print("estimated errors: " + (", ".join(errors) or "none stated"))
     cost = curve.provenance.get("cpu_seconds")
     if cost is not None:
         out.print(f"cost: {number(cost)} CPU s")
