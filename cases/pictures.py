@@ -37,7 +37,7 @@ def pipeline(results: Path, there: dict[str, Record]) -> Figure:
     curve = read_curve(results / plastic.files["curve"])
     stress, _ = plots.stress_scale(curve)
     plots.draw_section(figure, body, plots.fields_in(results / plastic.files["fields"], "loading")[-1], curve.radius, stress)
-    body.set_aspect("equal", adjustable="datalim")  # so that the three titles stand on one line
+    body.set_anchor("N")  # so that the three titles stand on one line
     law = fitted.load(results / there["fits.edmans-sinka"].files["law"])
     _draw_curve(curve_axis, curve, law.law)
     _draw_scenes(packing, {name: history.read(results / there[f"scenes.{name}"].files["history"]) for name in ("plastic", "elastic")})
