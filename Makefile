@@ -50,7 +50,7 @@ benchmark: $(READY) ## CPU seconds per curve, beside CalculiX where ccx is insta
 
 picture: $(READY) ## the README's picture, from the demo's results
 	@$(BIN)/fe2dem run cases/quickstart.toml --out results/quickstart
-	@$(BIN)/python -m cases.pictures results/quickstart docs/pictures
+	@$(BIN)/python -m cases.report.pictures results/quickstart docs/pictures
 
 lock: ## pin all dependencies anew (needs uv)
 	uv pip compile --universal --generate-hashes --python-version 3.11 --group dev --no-annotate --no-header --upgrade pyproject.toml -o requirements.lock

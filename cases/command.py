@@ -77,8 +77,8 @@ def run(
     jobs: Jobs = None,
 ) -> None:
     """Compute everything that a case file declares; results that are there already are reused."""
-    from cases.plan import plan
-    from cases.schema import read_case
+    from cases.batch.plan import plan
+    from cases.casefile.schema import read_case
 
     checked = read_case(case)
     tasks = plan(checked, case.resolve().parent)
@@ -86,8 +86,9 @@ def run(
 
 
 def _run_tasks(title: str, tasks: list[Any], folder: Path, jobs: int | None) -> int:
-    from cases import report, runner, store
+    from cases.batch import runner, store
     from cases.console import Progress
+    from cases.report import page
     from contactlaws.version import code_version
 
     folder = folder.resolve()
@@ -96,7 +97,7 @@ def _run_tasks(title: str, tasks: list[Any], folder: Path, jobs: int | None) -> 
     with Progress(tasks) as progress:
         records = runner.run(tasks, folder, jobs or _cores(), progress)
     progress.summarise(records.values())
-    print(f"report: {report.write(folder)}")
+    print(f"report: {page.write(folder)}")
     return 0 if all(record.state == "done" for record in records.values()) else FAILED
 
 
@@ -179,8 +180,8 @@ def simulate(
     jobs: Jobs = None,
 ) -> None:
     """Run one scene on a fitted law; run again, it goes on from what is there."""
-    from cases.plan import scene_plan
-    from cases.schema import read_scene
+    from cases.batch.plan import scene_plan
+    from cases.casefile.schema import read_scene
 
     checked, law_file = read_scene(scene, law)
     raise typer.Exit(_run_tasks(scene.stem, scene_plan(scene.stem, checked, law_file), out or Path("results") / scene.stem, jobs))
@@ -188,7 +189,8 @@ def simulate(
 
 def status(folder: Annotated[Path, typer.Argument(help="A folder of results.", show_default=False)]) -> None:
     """Say which results of the last run are there, which failed and why, and which are still to be made."""
-    from cases import console, store
+    from cases import console
+    from cases.batch import store
 
     case, records = store.load_case(folder)
     console.show_status(case, records)
@@ -196,9 +198,9 @@ def status(folder: Annotated[Path, typer.Argument(help="A folder of results.", s
 
 def report(folder: Annotated[Path, typer.Argument(help="A folder of results.", show_default=False)]) -> None:
     """Write report.html anew from the results that are there."""
-    from cases import report as report_
+    from cases.report import page
 
-    print(report_.write(folder.resolve()))
+    print(page.write(folder.resolve()))
 
 
 def doctor() -> None:

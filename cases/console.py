@@ -15,9 +15,9 @@ from rich.progress import BarColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 from rich.table import Table
 
+from cases.batch.plan import Task
+from cases.batch.store import Record
 from cases.doctor import Finding
-from cases.plan import Task
-from cases.store import Record
 
 out = Console(highlight=False, soft_wrap=True)
 log = Console(stderr=True, highlight=False, soft_wrap=True)

@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from cases import console
-from cases.profile_file import read_profile
-from cases.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress
-from cases.store import problems_with_folder, problems_with_writing
-from cases.validation import suggestion, validated
+from cases.batch.store import problems_with_folder, problems_with_writing
+from cases.casefile.profile_file import read_profile
+from cases.casefile.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress
+from cases.casefile.validation import suggestion, validated
 from contactlaws.errors import InputError, Problem
 from contactlaws.files import write_text
 
@@ -123,7 +123,7 @@ def impact(law: Path | None, options: Mapping[str, Any], out: Path | None) -> No
     if spheres is None or law is None or problems:
         raise InputError(_in_words_of_options(problems))
 
-    from cases.work import range_warnings
+    from cases.batch.work import range_warnings
     from dem.impact import restitution
 
     try:

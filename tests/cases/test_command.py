@@ -32,7 +32,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
     monkeypatch.setattr("fem.press", computed)
     monkeypatch.setattr("dem.run", computed)
-    monkeypatch.setattr("cases.runner.run", computed)
+    monkeypatch.setattr("cases.batch.runner.run", computed)
     monkeypatch.chdir(tmp_path)
     overlap = np.linspace(0.0, 0.05, 20)
     curve = Curve(np.arange(20.0), overlap, scan(HERTZ, overlap).force, np.zeros(20, np.int64), radius=1.0)
@@ -220,7 +220,7 @@ def test_a_full_disk_is_said_in_one_line(place: Path, capsys: pytest.CaptureFixt
         with open("/dev/full", "w") as file:
             file.write("x")
 
-    monkeypatch.setattr("cases.store.tempfile.TemporaryFile", full)
+    monkeypatch.setattr("cases.batch.store.tempfile.TemporaryFile", full)
     (place / "case.toml").write_text("[materials.a]\nyoungs_modulus = 1e9\npoissons_ratio = 0.3\n")
     assert "No space left" in refused(capsys, "run", "case.toml", "--out", "results")
 
@@ -264,9 +264,9 @@ def test_help_loads_nothing_heavy() -> None:
 
 def test_a_finished_result_comes_with_its_warnings(capfd: pytest.CaptureFixture[str]) -> None:
     """Off a terminal too; a warning stands there for new results and for reused ones, a note once for all scenes."""
+    from cases.batch.plan import Task
+    from cases.batch.store import Record
     from cases.console import Progress
-    from cases.plan import Task
-    from cases.store import Record
 
     statistics = {"energy_balance": 2e-4, "dt_over_critical": [0.4, 0.3], "time_step_over_critical_at_largest_overlap": 0.45}
     scene = {"notes": ["periodic: no walls"], "warnings": ["inertia [shows]"], "statistics": statistics}

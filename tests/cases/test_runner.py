@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from cases import runner, store
-from cases.plan import Task
-from cases.store import Record
+from cases.batch import runner, store
+from cases.batch.plan import Task
+from cases.batch.store import Record
 from contactlaws.errors import InputError
 
 pytestmark = pytest.mark.compiled_only(reason="nothing is compiled here, and starting processes takes long")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cases import schema
+from cases.casefile import schema
 from contactlaws.elastic import Hertz
 from contactlaws.errors import InputError
 from contactlaws.fitted import FittedLaw, save

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases.units import si
+from cases.casefile.units import si
 from contactlaws.errors import InputError
 
 

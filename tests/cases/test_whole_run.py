@@ -9,8 +9,8 @@ import meshio
 import numpy as np
 import pytest
 
-from cases import history
 from cases.command import execute
+from cases.report import history
 from contactlaws.curve import Curve
 from contactlaws.curve_files import read_curve, write_curve
 from contactlaws.elastic import Hertz

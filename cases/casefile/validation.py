@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
 from pydantic_core import PydanticCustomError
 
-from cases import units
+from cases.casefile import units
 from contactlaws.errors import InputError, Problem
 
 

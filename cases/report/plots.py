@@ -17,7 +17,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from calibration.residuals import follow
-from cases.closed_forms import thornton_restitution, yield_speed
+from cases.report.closed_forms import thornton_restitution, yield_speed
 from contactlaws.curve import Curve
 from contactlaws.elastoplastic import Thornton
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cases.schema import Case, CurveTable, FitTable, ImpactTable, Scene, SceneTable, is_file
-from cases.store import hash_of
+from cases.batch.store import hash_of
+from cases.casefile.schema import Case, CurveTable, FitTable, ImpactTable, Scene, SceneTable, is_file
 from contactlaws.compiled import source_hash
 
 #: the packages whose sources decide a result of each kind; what it's made from brings its own

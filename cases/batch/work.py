@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases.plan import Task
-from cases.store import Record, hash_of
+from cases.batch.plan import Task
+from cases.batch.store import Record, hash_of
 from contactlaws.files import write_atomically
 from contactlaws.material import Material
 from contactlaws.version import code_version
@@ -143,7 +143,7 @@ def range_warnings(fit: Any, speeds: Any, overlaps: Any, radius: float) -> Itera
 def scenes(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     """A packing compressed and released on a law: history table, LAMMPS dump, .vtu frames."""
     import dem
-    from cases import history
+    from cases.report import history
     from dem import output
 
     fit, values = _law(task, folder, made), task.values

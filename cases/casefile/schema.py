@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
-from cases.validation import Record, in_unit, problems_in, suggestion
+from cases.casefile.validation import Record, in_unit, problems_in, suggestion
 from contactlaws.errors import InputError, Problem
 from contactlaws.material import Material
 

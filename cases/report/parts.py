@@ -10,9 +10,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from calibration import table as fit_tables
-from cases import history, plots
+from cases.batch.store import Record
 from cases.console import number, percent
-from cases.store import Record
+from cases.report import history, plots
 from contactlaws import fitted
 from contactlaws.curve import Curve
 from contactlaws.curve_files import read_curve

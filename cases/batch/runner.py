@@ -13,9 +13,9 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, Protocol
 
-from cases import store, worker
-from cases.plan import Task
-from cases.store import Record
+from cases.batch import store, worker
+from cases.batch.plan import Task
+from cases.batch.store import Record
 from contactlaws.errors import InputError, Problem
 
 

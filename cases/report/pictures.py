@@ -1,4 +1,4 @@
-"""The README's picture, from the results of the quickstart: `python -m cases.pictures results/quickstart docs/pictures`."""
+"""The README's picture, from the results of the quickstart: `python -m cases.report.pictures results/quickstart docs/pictures`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from calibration.residuals import follow
-from cases import history, plots, store
-from cases.store import Record
+from cases.batch import store
+from cases.batch.store import Record
+from cases.report import history, plots
 from contactlaws import fitted
 from contactlaws.curve_files import read_curve
 

@@ -12,9 +12,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases import store
-from cases.plan import Task
-from cases.store import Record
+from cases.batch import store
+from cases.batch.plan import Task
+from cases.batch.store import Record
 from contactlaws.errors import InputError
 from contactlaws.version import code_version
 
@@ -55,7 +55,7 @@ def perform(task: Task, folder: str, made: Mapping[str, Record]) -> Record:
     """Do one task from the records `made` of what it needs; the record returned is on disk already, unless the disk refused."""
     from threadpoolctl import threadpool_limits
 
-    from cases import work
+    from cases.batch import work
 
     cpu, wall = time.process_time(), time.perf_counter()
     with threadpool_limits(1):

@@ -1,0 +1,1 @@
+"""Tasks: planned, hashed, run in processes, and kept in a folder of results."""

@@ -1,0 +1,1 @@
+"""What may stand in a case file, with units and bounds."""
