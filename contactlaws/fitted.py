@@ -23,6 +23,8 @@ from contactlaws.version import code_version
 
 FORMAT = "fe2dem fitted law 1"
 KEYS = ("format", "law", "parameters", "material", "max_overlap", "curve_hashes", "code_version", "standard_errors")
+#: may be left out: where the law comes from if from no fit to curves, and how wrong it may be
+OPTIONAL_KEYS = ("origin",)
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class FittedLaw:
     curve_hashes: tuple[str, ...] = ()
     standard_errors: Mapping[str, float | None] = field(default_factory=dict)  # in the unit of the parameter
     code_version: str = field(default_factory=code_version)
+    origin: Mapping[str, Any] = field(default_factory=dict)  # JSON types; such as the atlas, its hash, and the law's errors
 
     def __post_init__(self) -> None:
         require(_problems(self))
@@ -64,6 +67,7 @@ def to_json(fitted: FittedLaw) -> dict[str, Any]:
         "curve_hashes": list(fitted.curve_hashes),
         "code_version": fitted.code_version,
         "standard_errors": dict(fitted.standard_errors),
+        **({"origin": dict(fitted.origin)} if fitted.origin else {}),
     }
 
 
@@ -98,7 +102,7 @@ def from_text(text: str, place: str) -> FittedLaw:
 
 def from_json(content: object, place: str) -> FittedLaw:
     """The record from JSON types; `place` is named in errors."""
-    require(_problems_with_keys(content, KEYS, place))
+    require(_problems_with_keys(content, KEYS, place, OPTIONAL_KEYS))
     assert isinstance(content, dict)
     if content["format"] != FORMAT:
         raise InputError(
@@ -121,6 +125,7 @@ def from_json(content: object, place: str) -> FittedLaw:
             curve_hashes=tuple(content["curve_hashes"]),
             standard_errors={name: _exact(value) for name, value in content["standard_errors"].items()},
             code_version=content["code_version"],
+            origin=content.get("origin", {}),
         )
     except InputError as error:
         raise InputError(problem._replace(name=f"{place}: {problem.name}") for problem in error.problems) from error
@@ -147,7 +152,7 @@ def _without_twins(pairs: list[tuple[str, Any]], place: str) -> dict[str, Any]:
     return dict(pairs)
 
 
-def _problems_with_keys(content: object, wanted: tuple[str, ...], place: str) -> Iterator[Problem]:
+def _problems_with_keys(content: object, wanted: tuple[str, ...], place: str, optional: tuple[str, ...] = ()) -> Iterator[Problem]:
     if not isinstance(content, dict):
         yield Problem(place, type(content).__name__, f"must be a mapping with {', '.join(wanted)}", "give a file written by fitting a law")
         return
@@ -155,7 +160,7 @@ def _problems_with_keys(content: object, wanted: tuple[str, ...], place: str) ->
         if name not in content:
             yield Problem(f"{place}: {name}", None, f"the keys are {', '.join(wanted)}", "add it, or refit the law")
     for name in content:
-        if name not in wanted:
+        if name not in (*wanted, *optional):
             near = difflib.get_close_matches(name, wanted, 1)
             yield Problem(f"{place}: {name}", content[name], "is not a known key", f"did you mean {near[0]!r}?" if near else "remove it")
 
@@ -191,6 +196,8 @@ def _problems_with_values(content: dict[str, Any], record: Any, place: str) -> I
     hashes = content["curve_hashes"]
     if not (isinstance(hashes, list) and all(isinstance(value, str) for value in hashes)):
         yield Problem(f"{place}: curve_hashes", hashes, "must be a list of texts", "repair or refit the law")
+    if not isinstance(content.get("origin", {}), dict):
+        yield Problem(f"{place}: origin", content["origin"], "must be a mapping", "repair or drop it")
     if not isinstance(content["code_version"], str):
         yield Problem(f"{place}: code_version", content["code_version"], "must be a text", "repair or refit the law")
     errors = content["standard_errors"]
