@@ -78,7 +78,7 @@ def run(
 ) -> None:
     """Compute everything that a case file declares; results that are there already are reused."""
     from cases.batch.plan import plan
-    from cases.casefile.schema import read_case
+    from cases.casefile.reading import read_case
 
     checked = read_case(case)
     tasks = plan(checked, case.resolve().parent)
@@ -181,7 +181,7 @@ def simulate(
 ) -> None:
     """Run one scene on a fitted law; run again, it goes on from what is there."""
     from cases.batch.plan import scene_plan
-    from cases.casefile.schema import read_scene
+    from cases.casefile.reading import read_scene
 
     checked, law_file = read_scene(scene, law)
     raise typer.Exit(_run_tasks(scene.stem, scene_plan(scene.stem, checked, law_file), out or Path("results") / scene.stem, jobs))

@@ -23,12 +23,13 @@ Made = Mapping[str, Record]
 
 
 def curves(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
-    """A reference curve, with the fields at the states that it unloads from."""
+    """A reference curve, if asked for with the fields at the states that it unloads from."""
     import fem
     from contactlaws.curve_files import write_curve
 
     values = dict(task.values)
-    file, fields = _place(folder, task, ".parquet"), _empty_folder(folder / "fields" / f"{task.name}-{task.key}")
+    file = _place(folder, task, ".parquet")
+    fields = _empty_folder(folder / "fields" / f"{task.name}-{task.key}") if values.pop("fields") else None
     material = Material(**values.pop("material"))
     curve = fem.press(material, **values, fields=fields, progress=report)
     write_curve(curve, file)
@@ -40,7 +41,8 @@ def curves(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
         "yield_overlap": curve.yield_overlap,
         "yield_place": curve.yield_place,
     }
-    return {"curve": _relative(file, folder), "fields": _relative(fields, folder)}, summary, curve.stopped
+    files = {"curve": _relative(file, folder)} | ({} if fields is None else {"fields": _relative(fields, folder)})
+    return files, summary, curve.stopped
 
 
 def fits(task: Task, folder: Path, made: Made, report: Report) -> Outcome:

@@ -1,17 +1,15 @@
-"""The case file: what may stand in it, with units and bounds. Unknown keys are errors, and all errors come at once."""
+"""What may stand in the tables of a case file, with units and bounds."""
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Collection, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Annotated, Any
 
-from pydantic import Field, TypeAdapter, ValidationError, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from cases.casefile.validation import Record, in_unit, problems_in, suggestion
-from contactlaws.errors import InputError, Problem
+from cases.casefile.validation import Record, in_unit
+from contactlaws.errors import Problem
 from contactlaws.material import Material
 
 _positive = Field(gt=0, allow_inf_nan=False)
@@ -60,6 +58,7 @@ class CurveTable(Body):
     """[curves.NAME]: one finite-element reference curve."""
 
     material: str = Field(description="the name of a table under [materials]")
+    fields: bool = Field(False, description="true writes the deformed bodies, with stress and plastic strain (.vtu), where it unloads")
 
 
 class CurveOptions(Body, MaterialTable):
@@ -153,11 +152,22 @@ class SceneFile(Scene):
     law: str | None = Field(None, description="the path of a law file, relative to this file; --law takes its place")
 
 
-class Case(Record):
-    """A case file: what is to be computed, by name."""
+class Outline(Record):
+    """The tables that a case file may have, before a look inside."""
 
     title: str = "fe2dem case"
-    materials: dict[Name, MaterialTable] = Field(min_length=1, description="at least one table [materials.NAME]")
+    materials: dict[Name, Any] = Field(min_length=1, description="at least one table [materials.NAME]")
+    curves: dict[Name, Any] = Field(default_factory=dict)
+    fits: dict[Name, Any] = Field(default_factory=dict)
+    impacts: dict[Name, Any] = Field(default_factory=dict)
+    scenes: dict[Name, Any] = Field(default_factory=dict)
+
+
+class Case(Record):
+    """What is to be computed, by name; grids are spanned."""
+
+    title: str = "fe2dem case"
+    materials: dict[Name, MaterialTable] = Field(default_factory=dict)
     curves: dict[Name, CurveTable] = Field(default_factory=dict)
     fits: dict[Name, FitTable] = Field(default_factory=dict)
     impacts: dict[Name, ImpactTable] = Field(default_factory=dict)
@@ -171,55 +181,6 @@ TABLES: dict[str, type[Record]] = {
     "impacts": ImpactTable,
     "scenes": SceneTable,
 }
-
-
-def read_case(path: str | Path) -> Case:
-    """Read and check a case file. Raises `InputError` with all its problems, before anything is computed."""
-    values, folder = read_toml(path), Path(path).resolve().parent
-    try:
-        case, problems = Case.model_validate(values), []
-    except ValidationError as error:
-        case, problems = _sound_part(values), list(problems_in(error, Case))
-    declared = {kind: set(tables) for kind, tables in values.items() if isinstance(tables, dict)}
-    problems += _cross_problems(case, declared, folder)
-    if problems:
-        raise InputError(problems)
-    return case
-
-
-def read_scene(path: str | Path, law: Path | None) -> tuple[Scene, Path]:
-    """Read and check a scene file and where its law is; `law` takes the place of the one that the file names. Raises `InputError`."""
-    values = read_toml(path)
-    scene: SceneFile | None = None
-    problems: list[Problem] = []
-    try:
-        scene = SceneFile.model_validate(values)
-        problems += _density_problems("packing_fraction", scene.packing_fraction)
-    except ValidationError as error:
-        problems += problems_in(error, SceneFile)
-    named = values.get("law")
-    file = law or (Path(path).parent / named if isinstance(named, str) else None)
-    if file is None:
-        problems.append(Problem("law", None, "is needed", "give --law LAW.json, or law = 'LAW.json' in the scene file"))
-    elif not file.is_file():
-        problems.append(Problem("law", str(file), "is no file", "make one with `fe2dem fit CURVE --law NAME --out LAW.json`"))
-    else:
-        problems += _law_problems("law", file)
-    if scene is None or file is None or problems:
-        raise InputError(problems)
-    return scene, file.resolve()
-
-
-def read_toml(path: str | Path) -> dict[str, Any]:
-    """The tables of a TOML file; raises `InputError` where it is missing or no TOML."""
-    try:
-        with Path(path).open("rb") as file:
-            return tomllib.load(file)
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a text file"
-        raise InputError(Problem("file", str(path), f"cannot be read ({reason})", "give the path of a TOML file")) from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Problem("file", str(path), f"is not valid TOML ({error})", "repair that line; text values need quotes")) from None
 
 
 def is_file(reference: str) -> bool:
@@ -241,117 +202,6 @@ def depth_problems(prefix: str, unload_from: tuple[float, ...], max_overlap: flo
         )
 
 
-def _sound_part(values: Mapping[str, Any]) -> Case:
-    """The tables that are right in themselves, so that what is wrong between tables is found in the same pass."""
-    sound: dict[str, Any] = {}
-    for kind, field in Case.model_fields.items():
-        if kind != "title":
-            reader = TypeAdapter(TABLES[kind])
-            tables = values.get(kind)
-            sound[kind] = (
-                dict(_readable(reader, tables)) if isinstance(tables, dict) else field.get_default(call_default_factory=True) or {}
-            )
-    return Case.model_construct(**sound)
-
-
-def _readable(reader: TypeAdapter[Any], tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    for name, table in tables.items():
-        try:
-            yield name, reader.validate_python(table)
-        except ValidationError:
-            continue
-
-
-def _cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) -> Iterator[Problem]:
-    """What no single table can know: names that point nowhere, a plastic curve of a material without yield stress, missing depths."""
-    from contactlaws.dispatch import laws as known_laws
-
-    for name, curve in case.curves.items():
-        yield from _reference(f"curves.{name}.material", curve.material, declared.get("materials", ()))
-        material = case.materials.get(curve.material)
-        if material and material.yield_stress is None and not curve.elastic:
-            yield missing_yield_stress(f"materials.{curve.material}.yield_stress", f"is needed by curves.{name}")
-        yield from depth_problems(f"curves.{name}.", curve.unload_from, curve.max_overlap)
-    for name, fit in case.fits.items():
-        if fit.material is not None:
-            yield from _reference(f"fits.{name}.material", fit.material, declared.get("materials", ()))
-        yield from _reference(f"fits.{name}.law", fit.law, known_laws(), bound="is not a law that can be fitted")
-        for curve_name in fit.curves:
-            yield from _reference(f"fits.{name}.curves", curve_name, declared.get("curves", ()), folder)
-            if is_file(curve_name) and (folder / curve_name).is_file():
-                yield from _curve_problems(f"fits.{name}", folder / curve_name, fit, case)
-    yield from _twins(case, folder)
-    for kind, tables in (("impacts", case.impacts), ("scenes", case.scenes)):
-        for name, table in tables.items():
-            yield from _reference(f"{kind}.{name}.fit", table.fit, declared.get("fits", ()), folder)
-            if is_file(table.fit) and (folder / table.fit).is_file():
-                yield from _law_problems(f"{kind}.{name}.fit", folder / table.fit)
-    for name, scene in case.scenes.items():
-        yield from _density_problems(f"scenes.{name}.packing_fraction", scene.packing_fraction)
-
-
-def _curve_problems(name: str, file: Path, fit: FitTable, case: Case) -> Iterator[Problem]:
-    """What is wrong with a curve's file, read as the fit will read it."""
-    from contactlaws.curve_files import read_curve
-
-    material = case.materials.get(fit.material) if fit.material is not None else None
-    try:
-        read_curve(file, radius=fit.radius, material=None if material is None else material.record())
-    except InputError as error:
-        yield from (problem._replace(name=f"{name}: {problem.name}") for problem in error.problems)
-
-
-def _law_problems(name: str, file: Path) -> Iterator[Problem]:
-    """What is wrong with a law's file."""
-    from contactlaws import fitted
-
-    try:
-        fitted.load(file)
-    except InputError as error:
-        yield from (problem._replace(name=f"{name}: {problem.name}") for problem in error.problems)
-
-
-def _twins(case: Case, folder: Path) -> Iterator[Problem]:
-    """Fits that would give the same law twice: a table of laws has one row for each law and set of curves."""
-    seen: dict[Any, str] = {}
-    for name, fit in case.fits.items():
-        curves = tuple(sorted(_identity(curve, fit, case, folder) for curve in fit.curves))
-        first = seen.setdefault((fit.law, curves), name)
-        if first != name:
-            yield Problem(f"fits.{name}", fit.law, f"the same law on the same curves as fits.{first}", f"remove it, and use fits.{first}")
-
-
-def _identity(curve: str, fit: FitTable, case: Case, folder: Path) -> str:
-    """Text that two curves share if they are the same one, under whatever name."""
-    if is_file(curve):
-        material = case.materials.get(fit.material or "")
-        return f"{(folder / curve).resolve()} {fit.radius} {material and material.record()}"
-    table = case.curves.get(curve)
-    material = case.materials.get(table.material) if table is not None else None
-    if table is None or material is None:
-        return curve
-    depths = sorted({*table.unload_from}), max((*table.unload_from, table.max_overlap or 0.0))
-    return f"{material.record(table.elastic)._replace(density=None)} {table.radius} {table.aspect} {table.tolerance} {depths}"
-
-
-def _density_problems(name: str, packing_fraction: float) -> Iterator[Problem]:
-    from dem.packing import DENSEST_RANDOM
-
-    if packing_fraction > DENSEST_RANDOM:
-        remedy = "ask for 0.64 or less, and reach more by compressing it"
-        yield Problem(name, packing_fraction, f"no random packing of equal spheres is denser than {DENSEST_RANDOM}", remedy)
-
-
 def missing_yield_stress(name: str, bound: str) -> Problem:
     """A plastic curve asked for without a yield stress: never silently an elastic one."""
     return Problem(name, None, bound, "give a stress such as '7.9 GPa', or ask for an elastic curve (elastic = true, --elastic)")
-
-
-def _reference(
-    name: str, value: str, declared: Collection[str], folder: Path | None = None, bound: str = "names nothing in this file"
-) -> Iterator[Problem]:
-    if folder is not None and is_file(value):
-        if not (folder / value).is_file():
-            yield Problem(name, value, f"is no file under {folder}", "paths are relative to the case file")
-    elif value not in declared:
-        yield Problem(name, value, bound, suggestion(value, sorted(declared)))

@@ -51,10 +51,11 @@ def problems_in(error: ValidationError, model: type[BaseModel]) -> tuple[Problem
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """The nearest known word, else all of them."""
+    """The nearest known word, else all of them, if they are not too many."""
     known = list(known)
+    shown = ", ".join(known[:12]) + (f" and {len(known) - 12} more" if len(known) > 12 else "")
     close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    return f"did you mean '{close[0]}'?" if close else f"use one of: {', '.join(known) or 'none declared'}"
+    return f"did you mean '{close[0]}'?" if close else f"use one of: {shown or 'none declared'}"
 
 
 def _problem(item: Any, model: type[BaseModel]) -> Problem:

@@ -98,8 +98,8 @@ def _material(curve: Curve) -> str:
 
 def _fields(folder: Path, there: There, curves: Mapping[str, Curve]) -> Iterator[Block]:
     for task, curve in curves.items():
-        place = folder / there[task].files["fields"]
-        states = plots.fields_in(place, "loading")
+        place = there[task].files.get("fields")
+        states = plots.fields_in(folder / place, "loading") if place is not None else ()
         if not states:
             continue
         stress, symbol = plots.stress_scale(curve)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.casefile import schema
+from cases.casefile import reading
 from contactlaws.elastic import Hertz
 from contactlaws.errors import InputError
 from contactlaws.fitted import FittedLaw, save
@@ -30,13 +30,13 @@ def problems(tmp_path: Path, text: str) -> dict[str, str]:
     file = tmp_path / "case.toml"
     file.write_text(text)
     with pytest.raises(InputError) as caught:
-        schema.read_case(file)
+        reading.read_case(file)
     return {problem.name: str(problem) for problem in caught.value.problems}
 
 
 def test_units_become_si(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(GOOD)
-    case = schema.read_case(tmp_path / "case.toml")
+    case = reading.read_case(tmp_path / "case.toml")
     assert case.materials["nmc"].youngs_modulus == 142e9
     assert case.curves["plastic"].radius == 5e-6
     assert case.curves["plastic"].unload_from == (0.05, 0.1)
@@ -44,13 +44,13 @@ def test_units_become_si(tmp_path: Path) -> None:
 
 
 def test_the_quickstart_is_right() -> None:
-    case = schema.read_case(ROOT / "cases" / "quickstart.toml")
+    case = reading.read_case(ROOT / "cases" / "quickstart.toml")
     assert {table.fit for table in (*case.impacts.values(), *case.scenes.values())} <= set(case.fits)
 
 
 def test_the_example_of_a_scene_is_right(tmp_path: Path) -> None:
     save(FittedLaw(Hertz(5e-6, 151e9), max_overlap=5e-7), tmp_path / "law.json")
-    scene, law = schema.read_scene(ROOT / "cases" / "scene.toml", tmp_path / "law.json")
+    scene, law = reading.read_scene(ROOT / "cases" / "scene.toml", tmp_path / "law.json")
     assert (scene.radius, scene.release, law.name) == (5e-6, True, "law.json")
 
 
@@ -140,7 +140,7 @@ def test_what_is_no_toml_is_said_so(tmp_path: Path, text: str) -> None:
 
 def test_a_missing_file_is_said_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
-        schema.read_case(tmp_path / "nowhere.toml")
+        reading.read_case(tmp_path / "nowhere.toml")
 
 
 def test_files_that_a_case_names_are_read_before_computing(tmp_path: Path) -> None:
@@ -185,7 +185,7 @@ def test_the_law_of_a_scene_is_read_before_computing(tmp_path: Path) -> None:
         "law = 'empty.json'\nradius = 1\ndensity = -1\ncount = 20\npacking_fraction = 0.5\nstrain = 0.01\n"
     )
     with pytest.raises(InputError) as caught:
-        schema.read_scene(tmp_path / "scene.toml", None)
+        reading.read_scene(tmp_path / "scene.toml", None)
     assert {problem.name.split(":")[0] for problem in caught.value.problems} == {"density", "law"}
 
 
@@ -199,4 +199,4 @@ def test_the_same_law_on_the_same_curves_is_refused(tmp_path: Path, second: str)
         GOOD + curves.replace("max_overlap = 0.1", "max_overlap = 0.2") + fits.replace("plastic", "same", 1)
     )
     if second == "plastic":
-        assert set(schema.read_case(tmp_path / "case.toml").fits) == {"a", "b"}
+        assert set(reading.read_case(tmp_path / "case.toml").fits) == {"a", "b"}

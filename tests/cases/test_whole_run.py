@@ -55,6 +55,7 @@ yield_stress = "7.9 GPa"
 material = "nmc"
 radius = "5 um"
 unload_from = [0.02]
+fields = true
 [fits.law]
 law = "thornton"
 curves = ["pressed"]
