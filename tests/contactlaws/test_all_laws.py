@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from contactlaws import dispatch, pair
 from contactlaws.checks import Finding, check
 from contactlaws.path import scan
+from contactlaws.rivals import FLAWS
 from tests.contactlaws.samples import CASES, NAMES, SAMPLES
 
 slow_interpreted = pytest.mark.compiled_only(reason="millions of evaluations; one of the checks compares with the interpreted law")
@@ -27,8 +28,10 @@ def test_every_law_of_the_project_is_sampled():
 @slow_interpreted
 @each_law
 def test_passes_all_checks(law: Any, deepest: float):
+    """A published law may fail those that its own mathematics break; `FLAWS` says which and why."""
+    flaws = FLAWS.get(dispatch.law_of(law).name, {})
     failed: list[Finding] = [finding for finding in check(law, deepest, paths=6) if not finding.passed]
-    assert not failed
+    assert [finding for finding in failed if finding.name not in flaws] == []
 
 
 @slow_interpreted
@@ -43,9 +46,13 @@ def test_gives_back_no_more_than_was_put_in(law: Any, deepest: float, turns: lis
     largest = dispatch.stiffness_bound(law, deepest)
     # a trapezoid misses at most h^2/8 times the change of slope in a row; slopes stay below the bound, up and down once a leg
     missed = len(turns) * 4.0 * largest * (deepest / 399.0) ** 2
+    flaws = FLAWS.get(dispatch.law_of(law).name, {})
+    if "loading is continuous" in flaws:  # a trapezoid over a jump misses at most the jump, 5 % of the force, times a row
+        missed += len(turns) * 0.05 * largest * deepest * (deepest / 399.0)
     assert work.min() >= -missed
     assert found.force.min() >= 0.0
-    assert np.all(np.diff(found.dissipated_energy) >= -1e-12 * abs(found.dissipated_energy).max())
+    if "dissipation never falls" not in flaws:
+        assert np.all(np.diff(found.dissipated_energy) >= -1e-12 * abs(found.dissipated_energy).max())
 
 
 @each_law
