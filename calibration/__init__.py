@@ -1,6 +1,6 @@
 """From curves to laws: fitting, how far a fit can be trusted, and tables of fits."""
 
-from calibration import recipe_edmans_sinka  # noqa: F401  (makes the law fittable)
+from calibration import recipe_edmans_sinka, recipes_rivals  # noqa: F401  (makes the laws fittable)
 from calibration.fit import Fit, fit
 
 __all__ = ["Fit", "fit"]
