@@ -78,12 +78,9 @@ def _unloading(curve: Curve, branch: int) -> FloatArray:
 
 def _normalised(left: FloatArray, ratio: FloatArray, radius: FloatArray | None) -> FloatArray:
     """The rows of `Tabulated.unloading`."""
-    slope = _slopes(left, ratio)
-    table = [left, ratio, slope, integral(left, ratio, slope)]
-    if radius is not None:
-        area = (radius / radius[-1]) ** 2
-        table += [area, _slopes(left, area)]
-    return np.array(table)
+    columns = [ratio] if radius is None else [ratio, (radius / radius[-1]) ** 2]
+    slope, *others = _slopes(left, np.array(columns).T).T
+    return np.array([left, ratio, slope, integral(left, ratio, slope), *columns[1:], *others])
 
 
 def _state(curve: Curve, branch: int) -> tuple[float, float]:
@@ -98,8 +95,8 @@ def _steepest(table: FloatArray) -> float:
 
 
 def _slopes(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Slopes of the monotone cubic at its rows."""
-    return np.asarray(PchipInterpolator(x, y).derivative()(x))
+    """Slopes of the monotone cubic at its rows; y may have several columns."""
+    return np.asarray(PchipInterpolator(x, y)(x, 1))
 
 
 def _frozen(values: npt.ArrayLike) -> FloatArray:
