@@ -51,7 +51,7 @@ def first_row(fine: Walk, coarse: Walk, divisions: int) -> float:
 
 def _row_overlaps(fine: Walk, first: float, last: float) -> FloatArray:
     own = fine.landing_overlap[(fine.landing_overlap >= first) & (fine.landing_overlap < last)]
-    starts = [b.overlap[0] for b in fine.branches]
+    starts = [b.start for b in fine.branches]
     rows = np.unique(np.concatenate([own, starts, [last]]))
     # a landing next to a stored state would make a row pair that is useless for interpolation
     keep = np.ones(rows.size, dtype=bool)
@@ -95,14 +95,14 @@ def compose(
     """The curve of `fine`, extrapolated with `coarse`, up to the overlap `largest` or where the runs stopped."""
     scale = Scales(radius, material.stress_unit)
     last = min(largest, *(w.landing_overlap[-1] if w.stopped else largest for w in (fine, coarse)))
-    branches = [(f, c) for f, c in zip(fine.branches, coarse.branches, strict=False) if f.overlap[0] <= last]
+    branches = [(f, c) for f, c in zip(fine.branches, coarse.branches, strict=False) if f.start <= last]
     overlap = _row_overlaps(fine._replace(branches=tuple(f for f, _ in branches)), first_row(fine, coarse, divisions), last)
     own = readout.loading(fine, overlap, rows_with(fine, divisions // 2 + 1))
     rows = readout.extrapolated(own, readout.loading(coarse, overlap, rows_with(coarse, divisions // 4 + 1)))
     unloads = []
-    for f, _ in branches:
-        k = int(np.argmin(np.abs(overlap - f.overlap[0])))
-        unloads.append(readout.unloading(f, readout.Loading(*(column[k : k + 1] for column in rows))))
+    for f, c in branches:
+        k = int(np.argmin(np.abs(overlap - f.start)))
+        unloads.append(readout.unloading(readout.better(f, c), readout.Loading(*(column[k : k + 1] for column in rows))))
     least = SMALLEST_ERROR / divisions**2
     errors = {"force": _relative(rows.force, own.force, least)}
     errors |= {"contact_radius": _relative(rows.contact_radius, own.contact_radius, least)}

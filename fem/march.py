@@ -23,7 +23,8 @@ class Steps(NamedTuple):
 
     first: float = 0.1  # first step after a landing, as a share of the expected interval
     growth: float = 2.0  # of the following ones, at most
-    force_drop: float = 0.08  # share of the largest force that an unloading step takes off
+    force_drop: float = 0.12  # share of the largest force that an unloading step takes off
+    tail: float = 0.45  # and of the force that is left, at most
 
 
 def extrapolated(solver: Equilibrium, before: State, state: State, factor: float) -> Guess:
@@ -138,7 +139,7 @@ def unload(solver: Equilibrium, start: State, steps: Steps, smallest: float = 0.
             continue
         path.append(new)
         tangent = max((state.force - new.force) / step, 1e-3 * stiffness)
-        wanted = min(steps.force_drop * start.force, max(0.3 * new.force, 0.5 * smallest * start.force))
+        wanted = min(steps.force_drop * start.force, max(steps.tail * new.force, 0.5 * smallest * start.force))
         step = min(wanted / tangent, 2.0 * step)
     path.append(solver.free_shape(path[-1]))
     return path

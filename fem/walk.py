@@ -135,19 +135,19 @@ def walk(
         for place, path in landings(solver, unloader.steps):
             states = [last, *path]
             unloader.interval(states, place)
-            while visit and seen and seen[0] <= path[-1].overlap:
+            while visit and seen and seen[0] < path[-1].overlap:
                 visit(seen[0], unloader.states(states, place, seen[0]))
                 seen.popleft()
             record.interval(place, states)
             last = path[-1]
             if progress:
                 done = min(1.0, last.overlap / max_overlap)
-                text = f"overlap {min(last.overlap, max_overlap):.4g} of {max_overlap:.4g}, {len(unloader.branches)} unloadings"
+                text = f"overlap {min(last.overlap, max_overlap):.4g} of {max_overlap:.4g}, {len(unloader.computed)} unloadings"
                 progress(0.5 * done**0.25 + 0.5 * done, text)
             beyond += last.overlap >= max_overlap
             if beyond >= LANDINGS_BEYOND:
                 break
     except NoEquilibrium as reason:
-        if last.overlap < max_overlap or len(unloader.branches) < len(unload_from):
+        if last.overlap < max_overlap or len(unloader.branches()) < len(unload_from):
             stopped = f"no equilibrium found beyond an overlap of {last.overlap:.4g}: {reason}"
-    return record.walk(unloader.branches, stopped, solver.statistics)
+    return record.walk(unloader.branches(), stopped, solver.statistics)
