@@ -2,5 +2,6 @@
 
 from calibration import recipe_edmans_sinka, recipes_rivals  # noqa: F401  (makes the laws fittable)
 from calibration.fit import Fit, fit
+from calibration.predict import Prediction, predict
 
-__all__ = ["Fit", "fit"]
+__all__ = ["Fit", "Prediction", "fit", "predict"]

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from cases.arguments import spread
+from cases.command_atlas import predict
 
 BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
 SEVERAL_VALUES = {"--unload-from", "--speed"}
@@ -222,7 +223,7 @@ def laws() -> None:
     console.show_laws(registered())
 
 
-for _command in (run, reference, fit, impact, simulate, status, report, doctor, laws):
+for _command in (run, reference, fit, predict, impact, simulate, status, report, doctor, laws):
     app.command()(_command)
 
 

@@ -1,0 +1,34 @@
+"""The commands that need no finite elements: `fe2dem predict` from the atlas, `fe2dem identify` a material by it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+Text = str | None
+
+
+def _option(help_text: str) -> Any:
+    return typer.Option(help=help_text, show_default=False)
+
+
+def predict(
+    youngs_modulus: Annotated[Text, _option("Young's modulus, such as '142 GPa'.")] = None,
+    poissons_ratio: Annotated[Text, _option("Poisson's ratio, in [0, 0.5).")] = None,
+    yield_stress: Annotated[Text, _option("Yield stress, such as '7.9 GPa'; see --elastic.")] = None,
+    elastic: Annotated[bool, typer.Option("--elastic", help="A body that never yields.")] = False,
+    radius: Annotated[str, _option("Radius of the sphere, such as '5 um'; 1 m without it.")] = "1",
+    unload_from: Annotated[list[str] | None, _option("D1 D2 ...: overlaps over radius to unload from; default: the atlas's own.")] = None,
+    max_overlap: Annotated[Text, _option("Largest overlap over radius; default: the largest of --unload-from, else of the atlas.")] = None,
+    law: Annotated[str, _option("Law to make of it; 'tabulated', exact on the curve, without it.")] = "tabulated",
+    compute: Annotated[bool, typer.Option("--compute", help="Run finite elements for what lies outside the atlas.")] = False,
+    out: Annotated[Path | None, _option("LAW.json, CURVE.csv or CURVE.parquet.")] = None,
+) -> None:
+    """Curve or law of any material in the range of the atlas, with its error, in milliseconds."""
+    from cases import prediction
+
+    values = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "yield_stress": yield_stress, "radius": radius}
+    values_given: dict[str, Any] = {name: value for name, value in {**values, "max_overlap": max_overlap}.items() if value is not None}
+    prediction.predict({**values_given, "unload_from": unload_from or []}, elastic, law, compute, out)
