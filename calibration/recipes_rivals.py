@@ -127,15 +127,15 @@ def _secants(curves: Sequence[Curve]) -> tuple[float, float]:
         recovered = float(curve.overlap[rows][0] - curve.overlap[rows][-1])
         if recovered > 0.0:
             ratios.append(float(curve.force[rows][0]) / recovered / loading)
-    return loading, max(1.01, float(np.median(ratios))) if ratios else 2.0
+    return loading, max(2.0, float(np.median(ratios))) if ratios else 2.0
 
 
 def _walton_braun_start(curves: Sequence[Curve], known: Values) -> Values:
     stiffness, ratio = _secants(curves)
     return {
         "loading_stiffness": stiffness,
-        "stiffness_ratio": 1.0 + 0.5 * (ratio - 1.0),
-        "stiffening": ratio / float(curves[0].overlap.max()),
+        "stiffness_ratio": 1.0 + 0.2 * (ratio - 1.0),
+        "stiffening": (ratio - 1.0) / float(curves[0].overlap.max()),
     }
 
 
