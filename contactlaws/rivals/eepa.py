@@ -1,7 +1,7 @@
 """EEPA (Thakur et al. 2014) without adhesion: a power of the overlap to load, the same power with a steeper factor to unload.
 
-F = k1 d^n on the first loading, F = k2 (d^n - d_p^n) below the largest overlap, d_p = (1 - k1/k2)^(1/n) d_max. Written with k1 R^n, the force
-at an overlap of one radius. The law says nothing of the contact radius.
+F = k1 d^n on the first loading, F = k2 (d^n - d_p^n) below the largest overlap, d_p = (1 - k1/k2)^(1/n) d_max. Written with k1 R^n, the
+force at an overlap of one radius. The law says nothing of the contact radius.
 """
 
 from __future__ import annotations

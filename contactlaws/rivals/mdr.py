@@ -1,7 +1,8 @@
 """MDR (Zunker & Kamrin 2024): a contact mapped to the indentation of an elastic half-space by a rigid ellipse, into large deformation.
 
-The particle between two rigid flats, without adhesion, as in LAMMPS's `normal mdr`; h = R_0 - d the half height, R the apparent radius, which
-grows so that plastic flow keeps the volume, D = d + R - R_0 the overlap of a sphere of that radius. G = E/(2 (1 + nu)), kappa the bulk modulus.
+The particle between two rigid flats, without adhesion, as in LAMMPS's `normal mdr`; h = R_0 - d the half height, R the apparent radius,
+which grows so that plastic flow keeps the volume, D = d + R - R_0 the overlap of a sphere of that radius, G the shear and kappa the bulk
+modulus.
 
     mean pressure on the contact at yield   p = Y (1 + 1.75 exp(-4.4 D/R))
     first yield                             where Hertz's mean pressure 4 E* sqrt(d/R_0)/(3 pi) reaches p
@@ -10,15 +11,16 @@ grows so that plastic flow keeps the volume, D = d + R - R_0 the overlap of a sp
     force                                   F = E* A B/4 [t - sin t cos t], cos t = 1 - 2 u/A, u the elastic part of the overlap
     before first yield                      u = d
     on the loading beyond                   u = A/2, so that F = pi a^2 p
-    unloading                               u = (D - D_max + A/2 + C)/(1 + 2 C/A), C = F_max/(2 pi a^2 G r) [2 a^2 (nu - 1) + (1 - 2 nu) z (r - z)],
-                                            z = R - D_max + A/2, r = sqrt(a^2 + z^2)
-    apparent radius                         R^2 h - h^3/3 = V/(2 pi): the volume between the flats, V = V_g + V_0 (e - e_g) with the elastic
-                                            volume strain e (1 + e) = -2 F h/(3 kappa V_0); grows from the overlap g on where this first asks for it
+    unloading                               u = (D - D_max + A/2 + C)/(1 + 2 C/A), z = R - D_max + A/2, r = sqrt(a^2 + z^2),
+                                            C = F_max/(2 pi a^2 G r) [2 a^2 (nu - 1) + (1 - 2 nu) z (r - z)]
+    apparent radius                         R^2 h - h^3/3 = V/(2 pi), the volume between the flats, V = V_g + V_0 (e - e_g)
+                                            with the elastic volume strain e (1 + e) = -2 F h/(3 kappa V_0);
+                                            it grows from the overlap g on, where this first asks for it
 
-The published scheme makes R grow by increments; summed up over small steps they are the equation for V above, which makes the force a function
-of overlap and largest overlap alone. The confined ("bulk") part of MDR waits until less than half of the surface is free, which two flats
-do not reach up to an overlap of 0.6 R_0. At first yield the force jumps from the ellipse's to Hertz's (by 3 d_Y/(40 R_0)) and the recovered
-overlap from d_Y to less: both kept as published.
+The published scheme makes R grow by increments; summed up over small steps they are the equation for V above, which makes the force a
+function of overlap and largest overlap alone. The confined ("bulk") part of MDR waits until less than half of the surface is free, which
+two flats do not reach up to an overlap of 0.5 R_0. At first yield the force jumps from the ellipse's to Hertz's (by 3 d_Y/(40 R_0)) and the
+recovered overlap from d_Y to less: both kept as published.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ def part_left(largest, recovered, overlap):  # type: ignore[no-untyped-def]
 
 @kernel
 def hertzian_recovery(reduced_modulus, force, radius, largest):  # type: ignore[no-untyped-def]
-    """The overlap that a Hertzian body under `force` (N) with contact radius `radius` (m) gives back, 3 F/(4 E* a); all there is at most."""
+    """The overlap in m that a Hertzian body under `force` (N) with contact radius `radius` (m) gives back, 3 F/(4 E* a); at most all."""
     return min(largest, 0.75 * force / (reduced_modulus * radius))
 
 
