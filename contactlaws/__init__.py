@@ -3,6 +3,6 @@
 Importing this package makes the laws of this project known to `contactlaws.dispatch`.
 """
 
-from contactlaws import edmans_sinka, elastic, elastoplastic, rivals, tabulated
+from contactlaws import edmans_sinka, elastic, elastoplastic, rivals, tabulated, whole_range
 
-__all__ = ["edmans_sinka", "elastic", "elastoplastic", "rivals", "tabulated"]
+__all__ = ["edmans_sinka", "elastic", "elastoplastic", "rivals", "tabulated", "whole_range"]
