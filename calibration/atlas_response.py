@@ -9,6 +9,7 @@ those of a softer body at the smallest overlap, E'^2 d_smallest = E^2 d. What th
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -45,13 +46,16 @@ class Interpolator:
 
     atlas: Atlas
     prepared: Prepared = field(init=False, repr=False)
+    _remembered: Callable[[float | None, float], Response] = field(init=False, repr=False)  # the last few, as a fit asks for them again
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "prepared", _prepare(self.atlas))
+        ready = _prepare(self.atlas)
+        object.__setattr__(self, "prepared", ready)
+        object.__setattr__(self, "_remembered", functools.lru_cache(16)(functools.partial(_response, self.atlas, ready)))
 
     def __call__(self, modulus_ratio: float | None, poissons_ratio: float) -> Response:
         """The response of a material with E/Y = `modulus_ratio` (None: it never yields); no check of the range."""
-        return _response(self.atlas, self.prepared, modulus_ratio, poissons_ratio)
+        return self._remembered(modulus_ratio, poissons_ratio)
 
 
 def _prepare(atlas: Atlas) -> Prepared:
