@@ -5,7 +5,6 @@ Every command checks all its input first and reports all problems at once. Modul
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -26,6 +25,7 @@ app = typer.Typer(
 )
 
 Jobs = Annotated[int | None, typer.Option("--jobs", min=1, help="Processes to use; default: the number of cores.")]
+TakeOver = Annotated[bool, typer.Option("--take-over", help="Use --out even if it holds the results of another study.")]
 Text = str | None
 
 
@@ -73,41 +73,40 @@ def _common(
 
 
 def run(
-    case: Annotated[Path, typer.Argument(help="A case file (TOML).", show_default=False)],
+    case: Annotated[Path, typer.Argument(metavar="CASE.toml", help="A case file or a study.", show_default=False)],
     out: Annotated[Path | None, typer.Option("--out", help="Folder for results; default: results/CASE.")] = None,
     jobs: Jobs = None,
+    scheduler: Annotated[Text, _option("ADDRESS of a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers do it.")] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Begin a study of very many tasks without asking.")] = False,
+    take_over: TakeOver = False,
 ) -> None:
-    """Compute everything that a case file declares; results that are there already are reused."""
-    from cases.batch.plan import plan
-    from cases.casefile.reading import read_case
-
-    checked = read_case(case)
-    tasks = plan(checked, case.resolve().parent)
-    raise typer.Exit(_run_tasks(checked.title, tasks, out or Path("results") / case.stem, jobs))
-
-
-def _run_tasks(title: str, tasks: list[Any], folder: Path, jobs: int | None) -> int:
-    from cases.batch import runner, store
-    from cases.console import Progress
+    """Compute everything that a case file or a study declares; results that are there already are reused."""
     from cases.report import page
-    from contactlaws.version import code_version
+    from cases.study import run_study
 
-    folder = folder.resolve()
-    store.prepare(folder)
-    store.write_json(folder / "case.json", {"title": title, "code": code_version(), "tasks": [_listed(task) for task in tasks]})
-    with Progress(tasks) as progress:
-        records = runner.run(tasks, folder, jobs or _cores(), progress)
-    progress.summarise(records.values())
-    print(f"report: {page.write(folder)}")
-    return 0 if all(record.state == "done" for record in records.values()) else FAILED
+    folder = out or Path("results") / case.stem
+    if jobs is not None and scheduler is not None:
+        _refuse("--jobs", jobs, "is for processes of this machine", "leave out one of --jobs and --scheduler")
+    records = run_study(case, folder, jobs=jobs, scheduler=scheduler, accept=_yes if yes else _ask, take_over=take_over)
+    print(f"report: {page.write(folder.resolve())}")
+    raise typer.Exit(0 if all(record.state == "done" for record in records.values()) else FAILED)
 
 
-def _listed(task: Any) -> dict[str, Any]:
-    return {"task": task.id, "key": task.key, "values": task.values, "needs": task.needs, "given": task.given}
+def _refuse(name: str, value: Any, bound: str, remedy: str) -> None:
+    from contactlaws.errors import InputError, Problem
+
+    raise InputError(Problem(name, value, bound, remedy))
 
 
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+def _yes(tasks: int) -> bool:
+    return True
+
+
+def _ask(tasks: int) -> bool:
+    """Asks a person; where there is none, the answer is no."""
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return False
+    return typer.confirm(f"This study spans {tasks:,} tasks. Begin?", err=True)
 
 
 def reference(
@@ -179,22 +178,31 @@ def simulate(
     law: Annotated[Path | None, _option("LAW.json; takes the place of the scene file's law.")] = None,
     out: Annotated[Path | None, _option("Folder for results; default: results/SCENE.")] = None,
     jobs: Jobs = None,
+    take_over: TakeOver = False,
 ) -> None:
     """Run one scene on a fitted law; run again, it goes on from what is there."""
     from cases.batch.plan import scene_plan
     from cases.casefile.reading import read_scene
+    from cases.report import page
+    from cases.study import run_tasks
 
     checked, law_file = read_scene(scene, law)
-    raise typer.Exit(_run_tasks(scene.stem, scene_plan(scene.stem, checked, law_file), out or Path("results") / scene.stem, jobs))
+    folder = out or Path("results") / scene.stem
+    tasks = scene_plan(scene.stem, checked, law_file)
+    records = run_tasks(scene.stem, scene.resolve(), tasks, folder, jobs, take_over=take_over)
+    print(f"report: {page.write(folder.resolve())}")
+    raise typer.Exit(0 if all(record.state == "done" for record in records.values()) else FAILED)
 
 
-def status(folder: Annotated[Path, typer.Argument(help="A folder of results.", show_default=False)]) -> None:
+def status(
+    folder: Annotated[Path, typer.Argument(help="A folder of results.", show_default=False)],
+    everything: Annotated[bool, typer.Option("--all", help="One line for each result, also where they are many.")] = False,
+) -> None:
     """Say which results of the last run are there, which failed and why, and which are still to be made."""
-    from cases import console
-    from cases.batch import store
+    from cases.batch import results
+    from cases.status import show_status
 
-    case, records = store.load_case(folder)
-    console.show_status(case, records)
+    show_status(results.listing(folder), folder, everything)
 
 
 def report(folder: Annotated[Path, typer.Argument(help="A folder of results.", show_default=False)]) -> None:

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
-
-from pydantic import BaseModel
+from typing import Any
 
 from cases import console
-from cases.batch.store import problems_with_folder, problems_with_writing
+from cases.batch.store import problems_with_folder
 from cases.casefile.profile_file import read_profile
 from cases.casefile.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress
-from cases.casefile.validation import suggestion, validated
+from cases.casefile.validation import suggestion
+from cases.options import checked, in_words_of_options, problems_with_output
 from contactlaws.errors import InputError, Problem
 from contactlaws.files import write_text
 
-M = TypeVar("M", bound=BaseModel)
 CURVE_FILES = (".csv", ".parquet")
 
 
@@ -26,8 +24,8 @@ def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None,
 
     `profile`: a file with the meridian of a body of revolution, in place of radius and aspect.
     """
-    body, problems = _checked(CurveOptions, options)
-    problems += _problems_with_output("--out", out, CURVE_FILES, needed=True)
+    body, problems = checked(CurveOptions, options)
+    problems += problems_with_output("--out", out, CURVE_FILES, needed=True)
     if body is not None:
         problems += depth_problems("--", body.unload_from, body.max_overlap)
     elif not options["unload_from"] and "max_overlap" not in options:
@@ -41,7 +39,7 @@ def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None,
         points, found = read_profile(profile)
         problems += [*found, *_rivals_of_a_profile(options)]
     if body is None or out is None or problems:
-        raise InputError(_in_words_of_options(problems))
+        raise InputError(in_words_of_options(problems))
 
     import fem
     from contactlaws.curve_files import write_curve
@@ -80,14 +78,14 @@ def fit(curves: Sequence[Path], law: str | None, out: Path | None, sample: Mappi
     from contactlaws.curve_files import read_curve
     from contactlaws.dispatch import laws
 
-    known, problems = _checked(Sample, sample)
+    known, problems = checked(Sample, sample)
     if not curves:
         problems.append(Problem("CURVE", None, "is needed", "give one or several curve files, .csv or .parquet"))
     if law is None:
         problems.append(Problem("--law", None, "is needed", f"use one of: {', '.join(laws())}"))
     elif law not in laws():
         problems.append(Problem("--law", law, "is not a known law", suggestion(law, laws())))
-    problems += _problems_with_output("--out", out, (".json",), needed=False)
+    problems += problems_with_output("--out", out, (".json",), needed=False)
     material = known.material() if known is not None else None
     found = []
     for path in curves:
@@ -96,7 +94,7 @@ def fit(curves: Sequence[Path], law: str | None, out: Path | None, sample: Mappi
         except InputError as error:
             problems += error.problems
     if law is None or problems:
-        raise InputError(_in_words_of_options(problems))
+        raise InputError(in_words_of_options(problems))
 
     import calibration
     from contactlaws import fitted
@@ -111,8 +109,8 @@ def impact(law: Path | None, options: Mapping[str, Any], out: Path | None) -> No
     """Restitution of two equal spheres on a fitted law, as a table. Raises `InputError` before computing."""
     from contactlaws import fitted
 
-    spheres, problems = _checked(Impact, options)
-    problems += _problems_with_output("--out", out, (".csv",), needed=False)
+    spheres, problems = checked(Impact, options)
+    problems += problems_with_output("--out", out, (".csv",), needed=False)
     if law is None:
         problems.append(Problem("LAW.json", None, "is needed", "make one with `fe2dem fit CURVE --law NAME --out LAW.json`"))
     else:
@@ -121,52 +119,16 @@ def impact(law: Path | None, options: Mapping[str, Any], out: Path | None) -> No
         except InputError as error:
             problems += error.problems
     if spheres is None or law is None or problems:
-        raise InputError(_in_words_of_options(problems))
+        raise InputError(in_words_of_options(problems))
 
-    from cases.batch.work import range_warnings
+    from cases.batch.work.impacts import range_warnings
     from dem.impact import restitution
 
     try:
         table = restitution(record.law, spheres.radius, spheres.density, spheres.speed)
     except InputError as error:
-        raise InputError(_in_words_of_options(error.problems)) from error
+        raise InputError(in_words_of_options(error.problems)) from error
     if out is not None:
         rows = zip(*(column.tolist() for column in table), strict=True)
         write_text(out, "\n".join((",".join(table._fields), *(",".join(map(repr, row)) for row in rows))) + "\n")
     console.show_impact(table, record.name, range_warnings(record, table.speed, table.largest_overlap, spheres.radius))
-
-
-def _checked(model: type[M], values: Mapping[str, Any]) -> tuple[M | None, list[Problem]]:
-    """The options as a record, or None and what is wrong with them."""
-    try:
-        return validated(model, values), []
-    except InputError as error:
-        return None, list(error.problems)
-
-
-def _in_words_of_options(problems: Sequence[Problem]) -> list[Problem]:
-    """Field names as options: youngs_modulus is --youngs-modulus on the command line."""
-    options = {*CurveOptions.model_fields, *Impact.model_fields, *Sample.model_fields}
-    return [
-        problem._replace(name="--" + problem.name.removeprefix("--").replace("_", "-"))
-        if problem.name.removeprefix("--").split("[")[0] in options
-        else problem
-        for problem in problems
-    ]
-
-
-def _problems_with_output(name: str, path: Path | None, endings: tuple[str, ...], needed: bool) -> Iterator[Problem]:
-    """Whether a file could be written there, found out before hours are spent on what is to stand in it."""
-    if path is None:
-        if needed:
-            yield Problem(name, None, "is needed", f"give a path that ends in {' or '.join(endings)}")
-        return
-    if path.suffix not in endings:
-        yield Problem(name, str(path), f"must end in {' or '.join(endings)}", "give another name")
-    folder = path.resolve().parent
-    if not folder.is_dir():
-        yield Problem(name, str(path), f"there is no folder {folder}", "create it first")
-    elif path.is_dir():
-        yield Problem(name, str(path), "is a folder", "give the name of a file")
-    else:
-        yield from problems_with_writing(name, folder)

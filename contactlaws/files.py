@@ -11,7 +11,7 @@ from contactlaws.errors import InputError, Problem
 
 
 def write_atomically(path: str | Path, write: Callable[[Path], object]) -> Path:
-    """Let `write` fill a temporary file beside `path`, then rename it to `path`.
+    """Let `write` fill a temporary file beside `path`, bring it to the disk, then rename it to `path`: also a power cut leaves no half of it.
 
     Raises `InputError` where the system refuses (no permission, no such folder, disk full); then `path` is as it was and nothing is left
     behind.
@@ -24,6 +24,7 @@ def write_atomically(path: str | Path, write: Callable[[Path], object]) -> Path:
         temporary = Path(name)
         write(temporary)
         temporary.chmod(0o666 & ~_umask())
+        _to_disk(temporary)
         os.replace(temporary, target)
     except OSError as error:
         raise InputError(Problem(str(target), error.strerror or str(error), "cannot be written", _remedy(error))) from error
@@ -48,6 +49,12 @@ def read_text(path: str | Path) -> str:
         raise InputError(
             Problem(str(path), f"byte {error.start}", "is no text in UTF-8", "give a text file, or save it as UTF-8")
         ) from error
+
+
+def _to_disk(path: Path) -> None:
+    """A rename may reach the disk before what was written; this waits for the content."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())
 
 
 def _umask() -> int:

@@ -4,39 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from cases.batch.sources import meaning_hash
 from cases.batch.store import hash_of
+from cases.batch.task import Task
 from cases.casefile.schema import Case, CurveTable, FitTable, ImpactTable, Scene, SceneTable, is_file
-from contactlaws.compiled import source_hash
-
-#: the packages whose sources decide a result of each kind; what it's made from brings its own
-SOURCES = {
-    "curves": ("contactlaws", "fem"),
-    "fits": ("contactlaws", "calibration"),
-    "impacts": ("contactlaws", "dem"),
-    "packings": ("contactlaws", "dem"),
-    "scenes": ("contactlaws", "dem"),
-}
-
-
-@dataclass(frozen=True)
-class Task:
-    """One result to be computed; `values` are JSON types, `needs` the tasks it is made from, `given` the user's own files."""
-
-    kind: str
-    name: str
-    values: Mapping[str, Any]
-    needs: tuple[str, ...] = ()
-    given: tuple[str, ...] = ()
-    key: str = field(default="", compare=False)
-
-    @property
-    def id(self) -> str:
-        """KIND.NAME, unique in a case."""
-        return f"{self.kind}.{self.name}"
 
 
 def plan(case: Case, folder: Path) -> list[Task]:
@@ -56,21 +31,29 @@ def scene_plan(name: str, scene: Scene, law: Path) -> list[Task]:
 
 
 def _with_keys(tasks: list[Task]) -> Iterator[Task]:
-    keys: dict[str, str] = {}
+    """A key is the hash of the kind, the checked input, the sources, and of what the result is made from; the name is not in it."""
+    made: dict[str, Task] = {}
+    hashes = {path: _file_hash(Path(path)) for path in {path for task in tasks for path in task.given}}
     for task in tasks:
-        made_from = [keys[need] for need in task.needs] + [_file_hash(Path(path)) for path in task.given]
-        keys[task.id] = hash_of(task.kind, task.values, made_from, source_hash(*SOURCES[task.kind]))
-        yield Task(task.kind, task.name, task.values, task.needs, task.given, keys[task.id])
+        given = [hashes[path] for path in task.given]
+        wanted = hash_of(task.kind, task.values, [made[need].input for need in task.needs], given)
+        key = hash_of(wanted, [made[need].key for need in task.needs], meaning_hash(f"cases.batch.work.{task.kind}"))
+        made[task.id] = replace(task, key=key, input=wanted)
+        yield made[task.id]
 
 
 def _file_hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:12]
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
 
 
 def _curve(name: str, table: CurveTable, case: Case) -> Task:
-    material = case.materials[table.material].record(table.elastic)
-    values = table.model_dump(mode="json", exclude={"elastic"}) | {"material": material._replace(density=None)._asdict()}
-    return Task("curves", name, values)
+    values = table.model_dump(mode="json", exclude={"elastic"})
+    values |= {"unload_from": sorted({*table.unload_from})}  # the order in which they are written changes nothing
+    return Task("curves", name, values | {"material": _constants(case, table.material, table.elastic)})
+
+
+def _constants(case: Case, material: str, elastic: bool) -> Mapping[str, Any]:
+    return case.materials[material].record(elastic)._replace(density=None)._asdict()
 
 
 def _fit(name: str, table: FitTable, case: Case, folder: Path) -> Task:

@@ -1,17 +1,21 @@
 """A folder of results: one record per task, named by the hash of all that it depends on, and never half written.
 
-DIR/case.json               what the last run wanted: title, checked input, and the tasks in their order
-DIR/tasks/KIND.NAME-KEY.json    one record per task; it appears last, when the files that it names are complete
+DIR/case.json               what the last run wanted: title, where the case file is, and the tasks in their order
+DIR/tasks/KIND-KEY.json     one record per task; it appears last, when the files that it names are complete and on the disk
 DIR/curves/, fits/, ...     the files themselves, with the same KEY in their names
+
+A record holds size and hash of each of its files: what a power cut or a full disk has left torn is found, and made again.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
+import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +23,8 @@ from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import write_text
 
 FINISHED = ("done", "stopped")  # states whose results can be used
+#: bytes that a run takes at least; a curve with 14 unloadings takes about 35 kB, and files come in blocks of 4 kB
+SPACE = {"curves": 60_000, "fits": 16_000}
 
 
 @dataclass(frozen=True)
@@ -33,7 +39,9 @@ class Record:
     cpu_seconds: float = 0.0
     wall_seconds: float = 0.0
     code: str = ""  # release and source hash that made it
+    input: str = ""  # hash of the input alone: with another key, the same result by other sources
     files: Mapping[str, str] = field(default_factory=dict)  # what it wrote: paths relative to the folder
+    sizes: Mapping[str, tuple[int, str]] = field(default_factory=dict)  # bytes and hash of each of them
     summary: Mapping[str, Any] = field(default_factory=dict)  # numbers for tables and report; JSON types
 
     @property
@@ -53,13 +61,98 @@ class Record:
 
 
 def hash_of(*parts: object) -> str:
-    """Twelve hexadecimal digits of JSON-like values, independent of the order of keys."""
-    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:12]
+    """Sixteen hexadecimal digits of JSON-like values, independent of the order of keys."""
+    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-def prepare(folder: Path) -> None:
-    """Create the folder and try to write there; raises `InputError` before any computing if that cannot be done."""
+def record_path(folder: Path, task: str, key: str) -> Path:
+    """Where the record of a task stands: whatever the task is called, the same result is found again."""
+    return folder / "tasks" / f"{task.split('.', 1)[0]}-{key}.json"
+
+
+def save(folder: Path, record: Record) -> Record:
+    """Make a record known, once its files are on the disk; returns it with their sizes and hashes."""
+    whole = replace(record, sizes={name: _size_and_hash(folder / file) for name, file in record.files.items()})
+    path = record_path(folder, record.task, record.key)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_text(path, json.dumps(asdict(whole), default=_plain) + "\n")
+    for place in {(folder / file).parent for file in record.files.values()} | {path.parent}:
+        _sync_folder(place)
+    return whole
+
+
+def load(folder: Path, task: str, key: str, verify: bool = False) -> Record | None:
+    """The record of a task if it is there, readable, and all its files are whole; None means the task is to be done.
+
+    Files are whole if they have the size that they were written with and, with `verify`, the same bytes. The record comes under the name
+    of the task that asks for it, which may have been another one when it was made.
+    """
+    try:
+        record = record_in(record_path(folder, task, key).read_bytes())
+    except (OSError, ValueError, TypeError):
+        return None
+    if record.key != key or not all(_whole(folder / file, record.sizes[name], verify) for name, file in record.files.items()):
+        return None
+    return record if record.task == task else replace(record, task=task)
+
+
+def record_in(text: bytes | str) -> Record:
+    """A record from its JSON text; raises `ValueError` or `TypeError` if it is none, or torn."""
+    content = json.loads(text)
+    if not isinstance(content, dict) or set(content.get("sizes", ())) != set(content.get("files", ())):
+        raise ValueError("is no record")
+    return Record(**{**content, "sizes": {name: tuple(size) for name, size in content.get("sizes", {}).items()}})
+
+
+def _whole(path: Path, size: tuple[int, str], verify: bool) -> bool:
+    if verify:
+        return path.exists() and _size_and_hash(path) == size
+    return _bytes_in(path) == size[0]
+
+
+def _bytes_in(path: Path) -> int | None:
+    """Size of a file, or of all files in a folder; None if there is none."""
+    try:
+        return sum(file.stat().st_size for file in _files(path)) if path.is_dir() else path.stat().st_size
+    except OSError:
+        return None
+
+
+def _size_and_hash(path: Path) -> tuple[int, str]:
+    digest, size = hashlib.sha256(), 0
+    for file in _files(path) if path.is_dir() else (path,):
+        content = file.read_bytes()
+        digest.update(f"{file.relative_to(path.parent).as_posix()}\0".encode() + content)
+        size += len(content)
+    return size, digest.hexdigest()[:16]
+
+
+def _files(folder: Path) -> list[Path]:
+    return sorted(file for file in folder.rglob("*") if file.is_file())
+
+
+def _sync_folder(folder: Path) -> None:
+    """Names of files are on the disk only when their folder is."""
+    if os.name != "posix":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def prepare(folder: Path, kinds: Mapping[str, int] | None = None) -> None:
+    """Create the folder and try to write there; raises `InputError` before any computing if that cannot be done.
+
+    kinds: how many results of each kind are still to be made, where it is known: the disk must have space for them.
+    """
     require(problems_with_folder("--out", folder / "tasks"))
+    needed = sum(SPACE.get(kind, 8_000) * number for kind, number in (kinds or {}).items())
+    free = shutil.disk_usage(folder).free
+    if needed > free:
+        bound = f"has {free / 1e9:.3g} GB free, and {sum((kinds or {}).values()):,} results take {needed / 1e9:.3g} GB or more"
+        raise InputError(Problem("--out", str(folder), bound, "choose another disk, free some space, or split the study"))
 
 
 def problems_with_folder(name: str, folder: Path) -> Iterator[Problem]:
@@ -85,37 +178,9 @@ def problems_with_writing(name: str, folder: Path) -> Iterator[Problem]:
 def write_json(path: Path, value: object) -> None:
     """JSON by atomic rename."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, json.dumps(value, indent=1, default=_plain) + "\n")
+    write_text(path, json.dumps(value, default=_plain) + "\n")
 
 
 def _plain(value: Any) -> Any:
     """numpy's numbers and arrays as JSON has them."""
     return value.tolist() if hasattr(value, "tolist") else str(value)
-
-
-def record_path(folder: Path, task: str, key: str) -> Path:
-    """Where the record of a task stands."""
-    return folder / "tasks" / f"{task}-{key}.json"
-
-
-def save(folder: Path, record: Record) -> None:
-    """Make a record known."""
-    write_json(record_path(folder, record.task, record.key), asdict(record))
-
-
-def load(folder: Path, task: str, key: str) -> Record | None:
-    """The record of a task if it is there, readable, and all its files exist; None means the task is to be done."""
-    try:
-        record = Record(**json.loads(record_path(folder, task, key).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
-        return None
-    return record if all((folder / file).exists() for file in record.files.values()) else None
-
-
-def load_case(folder: Path) -> tuple[dict[str, Any], list[Record | None]]:
-    """What the last run in `folder` wanted, and its records in order (None: not there yet). Raises `InputError` if there are none."""
-    try:
-        case = json.loads((folder / "case.json").read_text(encoding="utf-8"))
-        return case, [load(folder, item["task"], item["key"]) for item in case["tasks"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(Problem("folder", str(folder), "holds no results of fe2dem run", "give the folder that --out named")) from None

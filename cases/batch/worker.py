@@ -1,79 +1,107 @@
-"""One task in one process: does it, writes what it made, and says how it went."""
+"""One task in one process: does it if nobody else has, writes what it made, and says how it went."""
 
 from __future__ import annotations
 
 import errno
-import multiprocessing
+import importlib
 import os
 import signal
 import threading
 import time
 from collections.abc import Callable, Mapping
+from multiprocessing import parent_process
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from cases.batch import store
-from cases.batch.plan import Task
+from cases.batch.claims import claimed
 from cases.batch.store import Record
+from cases.batch.task import Task
 from contactlaws.errors import InputError
 from contactlaws.version import code_version
 
-_messages: Any = None  # the queue to the process that watches; set once per worker process
 INTERVAL = 0.2  # s between two messages about the same task
 
+Report = Callable[[float, str], None]
+Make = Callable[[Task, Path, Mapping[str, Record], Report], tuple[dict[str, str], dict[str, Any], str | None]]
 
-def begin(messages: Any) -> None:
-    """Prepare a worker process: Ctrl-C is the parent's business, and a parent that was killed takes its workers along."""
-    global _messages
-    _messages = messages
-    messages.cancel_join_thread()
+
+class Job(NamedTuple):
+    """A task and all that a process needs to do it."""
+
+    task: Task
+    folder: str
+    made: Mapping[str, Record]  # the records of what it needs
+    make: Make | None = None  # what does it; None: the module of its kind in `cases.batch.work`
+
+
+def serve(pipe: Connection) -> None:
+    """Do jobs until the pipe closes. Ctrl-C is the parent's business, and a parent that was killed takes its workers along."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    try:
+        while True:
+            job = pipe.recv()
+            pipe.send(perform(job, _reporter(pipe)))
+    except (EOFError, OSError):
+        return
 
 
 def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
+    parent = parent_process()
     if parent is not None:
         parent.join()
         os._exit(1)
 
 
-def reporter(task: Task) -> Callable[[float, str], None]:
-    """A progress callback for one task that sends a message now and then, and all that is said before the work begins."""
+def _reporter(pipe: Connection) -> Report:
+    """A progress callback that sends a message now and then, and all that is said before the work begins."""
     last = 0.0
 
     def report(fraction: float, text: str) -> None:
         nonlocal last
-        if _messages is not None and (fraction == 0.0 or time.monotonic() - last >= INTERVAL):
+        if fraction == 0.0 or time.monotonic() - last >= INTERVAL:
             last = time.monotonic()
-            _messages.put((task.id, float(fraction), text))
+            pipe.send((float(fraction), text))
 
     return report
 
 
-def perform(task: Task, folder: str, made: Mapping[str, Record]) -> Record:
-    """Do one task from the records `made` of what it needs; the record returned is on disk already, unless the disk refused."""
+def silent(fraction: float, text: str) -> None:
+    """Where nobody listens."""
+
+
+def perform(job: Job, report: Report = silent) -> Record:
+    """Do one job, or wait for whoever is doing it; the record returned is on disk already, unless the disk refused."""
+    task, folder = job.task, Path(job.folder)
+    with claimed(folder, task.key):
+        found = store.load(folder, task.id, task.key, verify=True)
+        if found is not None and not found.passing:
+            return found
+        return _saved(folder, _made(job, report))
+
+
+def _made(job: Job, report: Report) -> Record:
     from threadpoolctl import threadpool_limits
 
-    from cases.batch import work
-
-    cpu, wall = time.process_time(), time.perf_counter()
+    task, cpu, wall = job.task, time.process_time(), time.perf_counter()
     with threadpool_limits(1):
         try:
-            files, summary, stopped = getattr(work, task.kind)(task, Path(folder), made, reporter(task))
+            make = job.make or importlib.import_module(f"cases.batch.work.{task.kind}").make
+            files, summary, stopped = make(task, Path(job.folder), job.made, report)
             outcome: dict[str, Any] = {"state": "stopped" if stopped else "done", "reason": stopped, "files": files, "summary": summary}
         except Exception as error:  # a failure is a result: recorded with its reason, and the other tasks go on
             outcome = _failure(error)
     outcome |= {"cpu_seconds": time.process_time() - cpu, "wall_seconds": time.perf_counter() - wall, "code": code_version()}
-    return _saved(Path(folder), Record(task.id, task.key, **outcome))
+    return Record(task.id, task.key, **outcome, input=task.input)
 
 
 def _saved(folder: Path, record: Record) -> Record:
     try:
-        store.save(folder, record)
+        return store.save(folder, record)
     except (OSError, InputError) as error:
-        return Record(record.task, record.key, **_failure(error), code=record.code)
-    return record
+        return Record(record.task, record.key, **_failure(error), code=record.code, input=record.input)
 
 
 def _failure(error: Exception) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import jinja2
 
-from cases.batch import store
+from cases.batch.results import load_case
 from cases.batch.store import Record
 from cases.report import parts
 from contactlaws.files import write_text
@@ -21,7 +21,7 @@ TEMPLATE = Path(__file__).with_name("report.html.j2")
 
 def write(folder: Path) -> Path:
     """Write `folder`/report.html, table.csv and table.parquet from what is there; raises `InputError` if nothing was run there."""
-    case, records = store.load_case(folder)
+    case, records = load_case(folder)
     there = {record.task: record for record in records if record is not None and record.usable}
     sections = [section for section in parts.sections(folder, case, there) if section["blocks"]]
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from calibration.residuals import follow
-from cases.batch import store
+from cases.batch.results import load_case
 from cases.batch.store import Record
 from cases.report import history, plots
 from contactlaws import fitted
@@ -21,7 +21,7 @@ from contactlaws.curve_files import read_curve
 
 def main(results: Path, folder: Path) -> Path:
     """Write pipeline.png into `folder` from the curve, law and scenes of the quickstart in `results`."""
-    _, records = store.load_case(results)
+    _, records = load_case(results)
     there = {record.task: record for record in records if record is not None and record.usable}
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "pipeline.png"

@@ -264,9 +264,9 @@ def test_help_loads_nothing_heavy() -> None:
 
 def test_a_finished_result_comes_with_its_warnings(capfd: pytest.CaptureFixture[str]) -> None:
     """Off a terminal too; a warning stands there for new results and for reused ones, a note once for all scenes."""
-    from cases.batch.plan import Task
     from cases.batch.store import Record
-    from cases.console import Progress
+    from cases.batch.task import Task
+    from cases.progress import Progress
 
     statistics = {"energy_balance": 2e-4, "dt_over_critical": [0.4, 0.3], "time_step_over_critical_at_largest_overlap": 0.45}
     scene = {"notes": ["periodic: no walls"], "warnings": ["inertia [shows]"], "statistics": statistics}

@@ -1,0 +1,95 @@
+"""Tables of a run that pandas and spreadsheets open: curves and unloadings; that of the laws comes with the report."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from cases.batch.store import Record
+from cases.batch.task import Task
+from contactlaws.curve import QUANTITIES, Curve
+from contactlaws.files import write_text
+
+CURVES, UNLOADINGS = "curves.csv", "unloadings"
+#: columns of curves.csv; SI units stand in the names
+COLUMNS = (
+    "curve",
+    "state",
+    "reason",
+    "youngs_modulus_Pa",
+    "poissons_ratio",
+    "yield_stress_Pa",
+    "radius_m",
+    "aspect",
+    "tolerance",
+    "max_overlap_m",
+    "max_force_N",
+    "unloadings",
+    "yield_overlap_m",
+    *(f"error_{name}" for name in QUANTITIES),
+    "states",
+    "solver_cpu_seconds",
+    "cpu_seconds",
+    "hash",
+    "key",
+    "code",
+    "file",
+)
+
+
+def write(folder: Path, tasks: Sequence[Task], records: Mapping[str, Record]) -> list[Path]:
+    """Write curves.csv, unloadings.csv and unloadings.parquet from the results of this run's curves; nothing if it has none."""
+    curves = [(task, records[task.id]) for task in tasks if task.kind == "curves"]
+    if not curves:
+        return []
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(_row(task, record) for task, record in curves)
+    return [write_text(folder / CURVES, text.getvalue()), *_write_unloadings(folder, [record for _, record in curves if record.usable])]
+
+
+def _row(task: Task, record: Record) -> dict[str, Any]:
+    values, summary = task.values, record.summary
+    material = values["material"]
+    return {
+        "curve": task.name,
+        "state": record.state,
+        "reason": record.reason,
+        "youngs_modulus_Pa": material["youngs_modulus"],
+        "poissons_ratio": material["poissons_ratio"],
+        "yield_stress_Pa": material["yield_stress"],
+        "radius_m": values["radius"],
+        "aspect": values["aspect"],
+        "tolerance": values["tolerance"],
+        "max_overlap_m": summary.get("max_overlap"),
+        "max_force_N": summary.get("max_force"),
+        "unloadings": summary.get("unloadings"),
+        "yield_overlap_m": summary.get("yield_overlap"),
+        **{f"error_{name}": summary.get("errors", {}).get(name) for name in QUANTITIES},
+        "states": summary.get("states"),
+        "solver_cpu_seconds": summary.get("cost"),
+        "cpu_seconds": record.cpu_seconds,
+        "hash": summary.get("hash"),
+        "key": task.key,
+        "code": record.code,
+        "file": record.files.get("curve"),
+    }
+
+
+def _write_unloadings(folder: Path, records: Sequence[Record]) -> Iterator[Path]:
+    from calibration.unloadings import table_rows, write_table
+
+    rows = list(table_rows(_read(folder, records)))
+    for ending in ("csv", "parquet"):
+        yield write_table(rows, folder / f"{UNLOADINGS}.{ending}")
+
+
+def _read(folder: Path, records: Sequence[Record]) -> Iterator[Curve]:
+    from contactlaws.curve_files import read_curve
+
+    for record in records:
+        yield read_curve(folder / record.files["curve"])

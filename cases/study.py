@@ -1,0 +1,76 @@
+"""A case file or a study from the file to its results: what `fe2dem run` does, for Python."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from cases.batch import results, runner, store, tables
+from cases.batch.local import LocalProcesses
+from cases.batch.plan import plan
+from cases.batch.store import Record
+from cases.batch.task import Task
+from cases.casefile.reading import ask_first, read_case
+from cases.progress import Progress
+from contactlaws.version import code_version
+
+
+def run_study(
+    study: str | Path,
+    out: str | Path | None = None,
+    *,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    accept: Callable[[int], bool] = ask_first,
+    take_over: bool = False,
+) -> Mapping[str, Record]:
+    """Compute everything that a case file or a study declares; what is in the folder `out` already is reused.
+
+    out: without it results/STUDY. jobs: processes, without it one for each core. scheduler: address of a Dask cluster in place of them.
+    accept: asked with the number of tasks if they are more than 10 000; without it they are refused. take_over: use the folder even if it
+    holds the results of another study. Returns the record of each task by its name, such as "curves.press-E10-nu0.3"; failures are among
+    them. Tables of curves, unloadings and laws stand in the folder afterwards.
+
+    Raises `InputError` with all that is wrong before anything is computed.
+    """
+    source = Path(study).resolve()
+    case = read_case(source, accept)
+    tasks = plan(case, source.parent)
+    return run_tasks(case.title, source, tasks, Path(out or Path("results") / source.stem), jobs, scheduler, take_over)
+
+
+def run_tasks(
+    title: str,
+    source: Path,
+    tasks: Sequence[Task],
+    out: Path,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    take_over: bool = False,
+) -> Mapping[str, Record]:
+    """`run_study` for tasks that are planned already; `source` is the file that they are from."""
+    folder = out.resolve()
+    if not take_over:
+        results.require_own(folder, source, tasks)
+    store.prepare(folder, Counter(task.kind for task in tasks if not store.record_path(folder, task.id, task.key).exists()))
+    with _workers(tasks, folder, jobs or cores(), scheduler) as workers, Progress(tasks, workers.jobs, folder) as progress:
+        results.declare(folder, title, source, code_version(), tasks)
+        records = runner.run(tasks, folder, workers, progress)
+    progress.summarise(records.values())
+    tables.write(folder, tasks, records)
+    return records
+
+
+def _workers(tasks: Sequence[Task], folder: Path, jobs: int, scheduler: str | None) -> runner.Workers:
+    if scheduler is None:
+        return LocalProcesses(min(jobs, max(len(tasks), 1)), sorted({task.kind for task in tasks}))
+    from cases.batch.cluster import DaskCluster
+
+    return DaskCluster(scheduler, folder)
+
+
+def cores() -> int:
+    """The cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
