@@ -218,11 +218,14 @@ def measurements(curve: Curve) -> list[Measurement]:
 
 
 def work_of_loading(curve: Curve) -> Callable[[float], float]:
-    """Work in J up to an overlap (m), by a cubic in the root of the overlap: elastic contacts begin as its third power."""
+    """Work in J up to an overlap (m): a cubic through the rows, and up to the first of them a power of the overlap."""
     rows = curve.rows(0)
-    root, first = np.unique(np.sqrt(np.concatenate(([0.0], np.maximum(curve.overlap[rows], 0.0)))), return_index=True)
-    integrand = PchipInterpolator(root, 2.0 * root * np.concatenate(([0.0], curve.force[rows]))[first])
-    return lambda overlap: float(integrand.integrate(0.0, np.sqrt(overlap)))
+    pressed = (curve.overlap[rows] > 0.0) & (curve.force[rows] > 0.0)
+    overlap, force = curve.overlap[rows][pressed], curve.force[rows][pressed]
+    power = np.log(force[1] / force[0]) / np.log(overlap[1] / overlap[0])
+    before = force[0] * overlap[0] / (np.clip(power, 1.0, 1.5) + 1.0)
+    integrand = PchipInterpolator(overlap, force)
+    return lambda top: float(before + integrand.integrate(overlap[0], top))
 
 
 def _scores(entrant: Entrant, law: Any, curve: Curve, found: Sequence[Measurement]) -> Iterator[Score]:

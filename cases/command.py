@@ -12,10 +12,11 @@ from typing import Annotated, Any
 import typer
 
 from cases.arguments import spread
-from cases.command_atlas import predict
+from cases.command_atlas import identify, predict
+from cases.command_tradeoff import tournament, tradeoff
 
 BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
-SEVERAL_VALUES = {"--unload-from", "--speed"}
+SEVERAL_VALUES = {"--unload-from", "--speed", "--laws"}
 
 app = typer.Typer(
     add_completion=False,
@@ -231,8 +232,9 @@ def laws() -> None:
     console.show_laws(registered())
 
 
-for _command in (run, reference, fit, predict, impact, simulate, status, report, doctor, laws):
+for _command in (run, reference, fit, predict, identify, impact, simulate, tournament, status, report, doctor, laws):
     app.command()(_command)
+app.add_typer(tradeoff, name="tradeoff")
 
 
 def _given(values: dict[str, Any]) -> dict[str, Any]:

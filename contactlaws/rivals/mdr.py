@@ -40,11 +40,10 @@ PRESSURE, DECAY = 1.75, 4.4
 #: overlap over radius to which the implementation in LAMMPS lets the two sides of a contact go
 LAST = 0.75
 _PANELS = 8
-_ROUNDS = 40
 
 
 class Mdr(NamedTuple):
-    """One body of a given material, made by `mdr_of`, which finds the last two fields."""
+    """One body of a given material, made by `mdr_of`, which finds the last three fields."""
 
     radius: float  # m; R_0
     youngs_modulus: float  # Pa
@@ -52,6 +51,7 @@ class Mdr(NamedTuple):
     yield_stress: float  # Pa
     yield_overlap: float  # m; d_Y, or the radius for a body that never yields
     growth_overlap: float  # m; g, from which the apparent radius grows
+    plastic_volume: float  # m3; V_g - V_0 e_g
 
 
 def mdr_of(radius: float, youngs_modulus: float, poissons_ratio: float, yield_stress: float) -> Mdr:
@@ -66,17 +66,27 @@ def mdr_of(radius: float, youngs_modulus: float, poissons_ratio: float, yield_st
         hertz = 4.0 * youngs_modulus / (1.0 - poissons_ratio**2) * math.sqrt(depth) / (3.0 * math.pi)
         return hertz - yield_stress * (1.0 + PRESSURE * math.exp(-DECAY * depth))
 
+    never = Mdr(radius, youngs_modulus, poissons_ratio, yield_stress, radius, radius, 0.0)
     if not beyond(1.0) > 0.0:
-        return Mdr(radius, youngs_modulus, poissons_ratio, yield_stress, radius, radius)
+        return never
     depth = brentq(beyond, 1e-15, 1.0, xtol=1e-15, rtol=1e-14)
-    law = Mdr(radius, youngs_modulus, poissons_ratio, yield_stress, depth * radius, radius)
-    # with R = R_0: the radius grows once the volume lost under the flats exceeds what elasticity takes up
-    lost = lambda d: 2.0 * math.pi * (2.0 * d * radius - d * d) + 4.0 / 3.0 * math.pi * radius**3 * _strain_slope(law, d)  # noqa: E731
+    return _with_growth(never._replace(yield_overlap=depth * radius))
+
+
+def _with_growth(law: Mdr) -> Mdr:
+    """The record with the overlap from which its apparent radius grows: more volume is lost under the flats than elasticity takes up."""
+    radius = law.radius
+    unit = 4.0 / 3.0 * math.pi * radius**3
+    lost = lambda d: 2.0 * math.pi * (2.0 * d * radius - d * d) + unit * _strain_slope(law, d)  # noqa: E731
     if lost(law.yield_overlap) >= 0.0:
-        return law._replace(growth_overlap=law.yield_overlap)
-    if lost(0.999 * radius) <= 0.0:
+        start = law.yield_overlap
+    elif lost(0.999 * radius) <= 0.0:
         return law
-    return law._replace(growth_overlap=brentq(lost, law.yield_overlap, 0.999 * radius, xtol=1e-14 * radius, rtol=1e-13))
+    else:
+        start = brentq(lost, law.yield_overlap, 0.999 * radius, xtol=1e-14 * radius, rtol=1e-13)
+    height = radius - start
+    volume = 2.0 * math.pi * (radius**2 * height - height**3 / 3.0) - unit * float(mdr_volume_strain(law, start, radius))
+    return law._replace(growth_overlap=start, plastic_volume=volume)
 
 
 def _strain_slope(law: Mdr, overlap: float) -> float:
@@ -116,25 +126,31 @@ def mdr_volume_strain(law, overlap, grown):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def mdr_grown(law, height, strain):  # type: ignore[no-untyped-def]
+    """R in m for a half height h (m) and an elastic volume strain."""
+    volume = law.plastic_volume + 4.0 / 3.0 * math.pi * law.radius**3 * strain
+    grown = math.sqrt((volume / (2.0 * math.pi) + height**3 / 3.0) / height)
+    return min(max(grown, law.radius), 1.5 * law.radius)
+
+
+@kernel
 def mdr_apparent_radius(law, overlap):  # type: ignore[no-untyped-def]
-    """R in m at a largest overlap; the elastic strain follows the force, which follows R: repeated until nothing changes."""
+    """R in m at a largest overlap.
+
+    The elastic strain follows the force, which follows R: from the R without strain three evaluations and a secant step, which leave
+    less than 1e-5 of R_0 at E/Y = 5 and 10, less than 1e-9 from 50 on.
+    """
     if overlap <= law.growth_overlap:
         return law.radius
-    start = law.radius - law.growth_overlap
-    volume = 2.0 * math.pi * (law.radius * law.radius * start - start**3 / 3.0)
-    unit = 4.0 / 3.0 * math.pi * law.radius**3
-    before = mdr_volume_strain(law, law.growth_overlap, law.radius)
     height = law.radius - overlap
-    grown = law.radius
-    for _ in range(_ROUNDS):
-        now = volume + unit * (mdr_volume_strain(law, overlap, grown) - before)
-        after = max(law.radius, math.sqrt((now / (2.0 * math.pi) + height**3 / 3.0) / height))
-        after = min(after, 1.5 * law.radius)
-        change = abs(after - grown)
-        grown = after
-        if change <= 1e-15 * law.radius:
-            break
-    return grown
+    first = mdr_grown(law, height, 0.0)
+    second = mdr_grown(law, height, mdr_volume_strain(law, overlap, first))
+    third = mdr_grown(law, height, mdr_volume_strain(law, overlap, second))
+    if second == first or third - second == second - first:
+        return third
+    third = second - (third - second) * (second - first) / ((third - second) - (second - first))
+    fourth = mdr_grown(law, height, mdr_volume_strain(law, overlap, third))
+    return fourth
 
 
 @kernel
@@ -270,9 +286,9 @@ def mdr_stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
 
 
 def mdr_problems(law: Mdr) -> Iterator[Problem]:
-    """The last two fields must be those that `mdr_of` finds; they follow from the others."""
+    """The last three fields must be those that `mdr_of` finds; they follow from the others."""
     expected = mdr_of(*law[:4])
-    for name in ("yield_overlap", "growth_overlap"):
+    for name in ("yield_overlap", "growth_overlap", "plastic_volume"):
         if not math.isclose(getattr(law, name), getattr(expected, name), rel_tol=1e-6):
             yield Problem(
                 name, getattr(law, name), f"must be {getattr(expected, name):.9g} for this material", "make the record with mdr_of"

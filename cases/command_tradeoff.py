@@ -1,0 +1,46 @@
+"""The commands that compare laws by measurement: `fe2dem tournament`, and `fe2dem tradeoff`, what accuracy costs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+FAILED = 3
+
+tradeoff = typer.Typer(
+    no_args_is_help=True, help="What accuracy costs, measured: error against time, and the choice that a tolerance makes."
+)
+
+
+def _option(help_text: str) -> Any:
+    return typer.Option(help=help_text, show_default=False)
+
+
+def tournament(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Holds curves with unloadings (.parquet, .csv).", show_default=False)],
+    laws: Annotated[list[str] | None, _option("A B ...: laws, as listed by `fe2dem laws`; default: all that can be fitted.")] = None,
+    out: Annotated[Path | None, _option("Folder for tables, pictures and report.html; default: results/tournament.")] = None,
+) -> None:
+    """Fit every law to every curve and score each for force, contact area, unloading, energy and cost."""
+    from cases.tournament.run import tournament as play
+
+    page, played = play(folder, laws, out or Path("results") / "tournament")
+    print(f"report: {page}")
+    if any(fit.law is None for fit in played.fits):
+        raise typer.Exit(FAILED)
+
+
+@tradeoff.command("law")
+def tradeoff_law(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="What fe2dem tournament wrote.", show_default=False)],
+    quantity: Annotated[str | None, _option("One of the scores, such as force; default: all.")] = None,
+    tolerance: Annotated[float | None, _option("Largest relative error: names the cheapest law that keeps it (0.01 is 1 %).")] = None,
+    max_overlap: Annotated[float | None, _option("Only overlaps over the radius up to this.")] = None,
+    out: Annotated[Path | None, _option("PICTURE.png of error against cost.")] = None,
+) -> None:
+    """Error of the laws against nanoseconds per contact, from the scores of a tournament."""
+    from cases.tradeoff.law import tradeoff_law as show
+
+    show(folder, quantity, tolerance, max_overlap, out)

@@ -1,0 +1,81 @@
+"""Nanoseconds per contact of laws, in the pair kernel of the DEM itself, all in one run and against Hertz."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from contactlaws.elastic import Hertz
+from dem.box import Box
+from dem.forces import pair_forces
+from dem.particles import spheres
+from dem.working import Working, working
+
+FloatArray = npt.NDArray[np.float64]
+
+#: spheres along an edge of the periodic cube, steps each way, how often all is repeated
+EDGE, STEPS, REPEATS = 14, 12, 7
+#: distance of neighbours over the diameter at the start and at the end of the loading, and how far each sphere is from its lattice point
+START, END, OFF = 0.99, 0.93, 0.004
+#: share of the loading that is taken back
+RELIEF = 0.15
+
+
+class Cost(NamedTuple):
+    """Of one contact in one step of a scene: finding the overlap, the law, its memory, the forces on both spheres."""
+
+    loading: float  # ns
+    unloading: float  # ns
+    loading_ratio: float  # to Hertz in the same run
+    unloading_ratio: float
+
+
+def costs(laws: Mapping[str, Any], edge: int = EDGE, repeats: int = REPEATS) -> dict[str, Cost]:
+    """Time each law in turn, several times over, and take the fastest of each: other work on the machine only ever adds.
+
+    Some 2700 spheres near the points of a cubic lattice are squeezed until neighbours overlap by 7 % of their diameter, then relieved.
+    """
+    if numba.config.DISABLE_JIT:
+        edge, repeats = 3, 1
+    field = {"": Hertz(1.0, 100.0), **laws}
+    best = {name: np.full(2, np.inf) for name in field}
+    scenes = {name: _scene(law, edge) for name, law in field.items()}
+    for _ in range(repeats):
+        for name, law in field.items():
+            best[name] = np.minimum(best[name], _timed(law, scenes[name]))
+    return {name: Cost(*best[name].tolist(), *(best[name] / best[""]).tolist()) for name in laws}
+
+
+def _scene(law: Any, edge: int) -> Working:
+    """The spheres and their pairs; the law's own radius, so that its overlaps are those it was fitted for."""
+    spacing = 2.0 * START * law.radius
+    random = np.random.default_rng(0)
+    points = np.stack(np.meshgrid(*3 * (np.arange(edge),), indexing="ij"), axis=-1).reshape(-1, 3) * spacing
+    points = points + OFF * law.radius * random.uniform(-1.0, 1.0, points.shape)
+    length = edge * spacing
+    return working(law, spheres(points, law.radius, 1.0), Box((length, length, length)), 0.05 * law.radius)
+
+
+def _timed(law: Any, scene: Working) -> FloatArray:
+    """Nanoseconds per contact and step, loading and unloading."""
+    memory = None if scene.memory is None else np.zeros_like(scene.memory)
+    down = np.linspace(1.0, END / START, STEPS)
+    up = down[-1] + (1.0 - down[-1]) * RELIEF * np.linspace(0.05, 1.0, STEPS)
+    return np.array([_pressed(law, scene, memory, scales) for scales in (down, up)])
+
+
+def _pressed(law: Any, scene: Working, memory: FloatArray | None, scales: FloatArray) -> float:
+    pairs, spent, contacts = scene.pairs, 0.0, 0
+    for scale in scales.tolist():
+        motion = (scene.position * scale, scene.velocity, scene.radius, scene.one_radius, pairs.lengths * scale, np.zeros(3), 1.0)
+        listed = (pairs.start, pairs.partner, pairs.image, pairs.images, memory, scene.magnitude)
+        began = time.perf_counter()
+        pair_forces(law, *motion, *listed, scene.force, scene.virial, scene.tally)
+        spent += time.perf_counter() - began
+        contacts += int(np.count_nonzero(scene.magnitude))
+    return spent / max(contacts, 1) * 1e9
