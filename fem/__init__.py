@@ -1,6 +1,7 @@
 """Continuum reference curves: a body of revolution pressed against a rigid flat, by finite elements at finite strain."""
 
+from fem.cycle import press_cycle
 from fem.press import press
 from fem.profile import press_profile
 
-__all__ = ["press", "press_profile"]
+__all__ = ["press", "press_cycle", "press_profile"]
