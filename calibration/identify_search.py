@@ -25,7 +25,9 @@ STRONGEST = 0.2
 #: E/Y tried for a start
 STARTS = 25
 #: most steps outwards, and steps that narrow an end of an interval down
-OUTWARDS, INWARDS = 12, 5
+OUTWARDS, INWARDS = 12, 10
+#: where a profile is filled in between the minimum and an end of its interval
+FILL = (0.35, 0.7)
 NAMES = ("youngs_modulus", "yield_stress", "poissons_ratio", "zero", "compliance")
 
 
@@ -206,6 +208,10 @@ def interval(task: Task, found: Found, name: str) -> Interval:
     centre = task.setting(found.vector)
     points = {_coordinate(task, centre, name): 0.0}
     ends = [_end(task, found, centre, name, side, points) for side in (-1.0, 1.0)]
+    for end in ends:
+        for share in FILL if end is not None else ():
+            x = (1.0 - share) * _coordinate(task, centre, name) + share * (end or 0.0)
+            points[x] = _held(task, centre, name, x)[0] - found.deviance
     at = sorted(points)
     values = np.array([_value(task, x, name) for x in at])
     low, high = (None if end is None else _value(task, end, name) for end in ends)
@@ -252,10 +258,10 @@ def _end(task: Task, found: Found, centre: Setting, name: str, side: float, poin
     if math.isnan(outside):
         return None
     forced = at_bound
-    for _ in range(INWARDS):
-        # the deviance is nearly a parabola, so its root is nearly linear
+    for trial in range(INWARDS):
+        # the deviance is nearly a parabola, so its root is nearly linear; every other time halving, in case it is not
         low, high = math.sqrt(max(points[inside], 0.0)), math.sqrt(points[outside])
-        share = float(np.clip((math.sqrt(LIMIT) - low) / max(high - low, 1e-12), 0.1, 0.9))
+        share = float(np.clip((math.sqrt(LIMIT) - low) / max(high - low, 1e-12), 0.05, 0.95)) if trial % 2 == 0 else 0.5
         x = inside + share * (outside - inside)
         deviance, warm, at_bound = _held(task, warm, name, x)
         points[x] = deviance - found.deviance

@@ -32,3 +32,20 @@ def predict(
     values = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "yield_stress": yield_stress, "radius": radius}
     values_given: dict[str, Any] = {name: value for name, value in {**values, "max_overlap": max_overlap}.items() if value is not None}
     prediction.predict({**values_given, "unload_from": unload_from or []}, elastic, law, compute, out)
+
+
+def identify(
+    measured: Annotated[Path | None, typer.Argument(metavar="MEASURED.csv", help="Columns overlap,force: m, N", show_default=False)] = None,
+    radius: Annotated[Text, _option("Radius of the particle, where the file does not say it.")] = None,
+    poissons_ratio: Annotated[Text, _option("Poisson's ratio, such as 0.3, or an interval such as 0.2..0.35.")] = None,
+    zero_unknown: Annotated[bool, typer.Option("--zero-unknown", help="The overlap at first touch is unknown too.")] = False,
+    compliance_unknown: Annotated[bool, typer.Option("--compliance-unknown", help="So is how far the machine gives way.")] = False,
+    noise: Annotated[Text, _option("Standard deviation of a force, such as '2 mN' or '1 %' of the largest; default: found.")] = None,
+    out: Annotated[Path | None, _option("Folder for identified.json, profiles.csv and identified.png.")] = None,
+) -> None:
+    """Young's modulus and yield stress from a measured force-overlap curve of one particle, with intervals."""
+    from cases import identification
+
+    options = {} if radius is None else {"radius": radius}
+    unknown = {"zero_unknown": zero_unknown, "compliance_unknown": compliance_unknown}
+    identification.identify(measured, options, poissons_ratio, noise, unknown, out)
