@@ -1,8 +1,8 @@
-"""The command that makes the atlas: `python -m calibration.atlas_build FOLDER [--compute] [--jobs 2] [--out FILE]`.
+"""The command that makes the atlas: `python -m calibration.atlas_build FOLDER ... [--compute] [--jobs 2] [--out FILE]`.
 
-FOLDER holds one curve per material, as Parquet, among them one without yield stress for each Poisson's ratio; other curves are passed over.
-With --compute the missing ones are computed there first, by `fem.press` in separate processes; interrupted, the command goes on from what
-is there. --list says which materials the atlas is made of.
+The folders hold curves as Parquet, among them one of each material that --list names; others are passed over, and of two of one material
+the first is taken. Curves of the study of Edmans & Sinka 2020 are part of it. With --compute the missing ones are computed by
+`fem.press` in separate processes, into the first folder; interrupted, the command goes on from what is there.
 """
 
 from __future__ import annotations
@@ -29,33 +29,15 @@ from contactlaws.material import Material
 from contactlaws.version import code_version
 
 FloatArray = npt.NDArray[np.float64]
+Key = tuple[float | None, float]
 
-#: E/Y and Poisson's ratios of the atlas: each modulus about 1.4 times the one before where first yield passes through the overlaps of
-#: interest, twice where it lies far below them
-MODULUS_RATIOS: tuple[float, ...] = (
-    1.0,
-    1.25,
-    1.75,
-    2.5,
-    3.5,
-    4.5,
-    6.0,
-    8.5,
-    12.0,
-    17.0,
-    24.0,
-    35.0,
-    50.0,
-    85.0,
-    120.0,
-    200.0,
-    400.0,
-    900.0,
-)
+#: E/Y and Poisson's ratios of the atlas: those of Edmans & Sinka 2020, closer where first yield passes through the overlaps of interest,
+#: and beyond them to nearly incompressible and to very weak bodies
+MODULUS_RATIOS: tuple[float, ...] = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 MODULUS_RATIOS += (2000.0, 4500.0, 10000.0)
 POISSONS_RATIOS = (0.0, 0.15, 0.3, 0.45, 0.49)
-#: overlaps over the radius to unload from; the smallest and the largest are the range of the atlas
-STARTS = (0.001, 0.0015, 0.0025, 0.004, 0.006, 0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
+#: overlaps over the radius to unload from, theirs too; below the smallest, small strains leave only one parameter
+STARTS = (0.01, 0.02, 0.03, 0.04, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 #: rows of the loading beside the starts: each overlap over the one before
 GROWTH = 1.15
 #: a row nearer than this (in the logarithm) to a start is left out
@@ -79,16 +61,14 @@ def file_name(material: Material) -> str:
     return f"{start}_nu{material.poissons_ratio:g}.parquet"
 
 
-def compute(folder: Path, jobs: int) -> None:
-    """Compute every curve that is not there yet, in `jobs` processes; each file appears when it is complete."""
-    folder.mkdir(parents=True, exist_ok=True)
-    missing = [material for material in materials() if not (folder / file_name(material)).exists()]
+def compute(folder: Path, missing: Sequence[Material], jobs: int) -> None:
+    """Compute the curves of `missing` in `jobs` processes; each file appears when it is complete."""
     # stiff and nearly incompressible bodies take longest: first, so that no process is left alone with one at the end
-    missing.sort(key=lambda material: (material.poissons_ratio, material.youngs_modulus), reverse=True)
+    ordered = sorted(missing, key=lambda material: (material.poissons_ratio, material.youngs_modulus), reverse=True)
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(compute_one, material, folder) for material in missing]
+        futures = [pool.submit(compute_one, material, folder) for material in ordered]
         for number, future in enumerate(as_completed(futures), 1):
-            print(f"{number}/{len(missing)} {future.result()}", flush=True)
+            print(f"{number}/{len(ordered)} {future.result()}", flush=True)
 
 
 def compute_one(material: Material, folder: Path) -> str:
@@ -142,13 +122,18 @@ def _depths(starts: FloatArray) -> FloatArray:
     return np.union1d(starts, fill[abs(np.log(fill[:, None] / starts)).min(axis=1) > APART])
 
 
-def _key(curve: Curve) -> tuple[float | None, float]:
+def key_of(material: Material) -> Key:
+    """E/Y, to nine digits, and Poisson's ratio."""
+    ratio = None if material.yield_stress is None else float(f"{material.youngs_modulus / material.yield_stress:.9g}")
+    return ratio, material.poissons_ratio
+
+
+def _key(curve: Curve) -> Key:
     assert curve.material is not None
-    material = curve.material
-    return None if material.yield_stress is None else material.youngs_modulus / material.yield_stress, material.poissons_ratio
+    return key_of(curve.material)
 
 
-def _problems(plastic: Mapping[tuple[float | None, float], Curve], elastic: Mapping[float, Curve]) -> Iterator[Problem]:
+def _problems(plastic: Mapping[Key, Curve], elastic: Mapping[float, Curve]) -> Iterator[Problem]:
     ratios, nus = (sorted({key[k] for key in plastic}, key=float) for k in (0, 1))  # type: ignore[arg-type]
     if len(ratios) < 4 or len(nus) < 3:
         yield Problem("curves", (len(ratios), len(nus)), "an atlas needs at least 4 moduli and 3 Poisson's ratios", "compute more")
@@ -164,34 +149,37 @@ def _problems(plastic: Mapping[tuple[float | None, float], Curve], elastic: Mapp
             yield Problem("curve", (ratio, nu), f"ends early: {curve.stopped}", "leave its modulus or Poisson's ratio out")
 
 
-def read_folder(folder: Path, wanted: Sequence[str] | None) -> list[Curve]:
-    """The curves in a folder: those of the files `wanted`, or all spheres with a material."""
-    if wanted is not None:
-        missing = [name for name in wanted if not (folder / name).exists()]
-        require(Problem(str(folder / name), None, "is not there", "compute it, or use --compute") for name in missing)
-    paths = sorted(folder.glob("*.parquet")) if wanted is None else [folder / name for name in wanted]
-    curves = [read_curve(path) for path in paths]
-    return [curve for curve in curves if curve.material is not None and curve.aspect == 1.0]
+def read_folders(folders: Sequence[Path]) -> dict[Key, Curve]:
+    """The curves of whole spheres in some folders, by E/Y (None: elastic) and Poisson's ratio; the first of each material."""
+    found: dict[Key, Curve] = {}
+    for path in (path for folder in folders for path in sorted(folder.glob("*.parquet"))):
+        curve = read_curve(path)
+        if curve.material is not None and curve.aspect == 1.0:
+            found.setdefault(key_of(curve.material), curve)
+    return found
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry of the command; returns its exit code."""
     parser = argparse.ArgumentParser(prog="python -m calibration.atlas_build", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("folder", type=Path, help="folder of curves (.parquet)")
+    parser.add_argument("folders", type=Path, nargs="+", metavar="FOLDER", help="folders of curves (.parquet)")
     parser.add_argument("--out", type=Path, default=atlas_file.SHIPPED, help="the atlas; default: the one that this package ships")
-    parser.add_argument("--compute", action="store_true", help="compute the curves that are missing")
+    parser.add_argument("--compute", action="store_true", help="compute the curves that are missing, into the first folder")
     parser.add_argument("--jobs", type=int, default=2, help="processes that compute; default 2")
-    parser.add_argument("--all", action="store_true", help="make it of all curves in the folder, whatever their materials")
     parser.add_argument("--list", action="store_true", help="only say which curves are needed, and which are missing")
     asked = parser.parse_args(arguments)
-    names = [file_name(material) for material in materials()]
-    if asked.list:
-        print("\n".join(f"{name}{'' if (asked.folder / name).exists() else '  missing'}" for name in names))
-        return 0
+    asked.folders[0].mkdir(parents=True, exist_ok=True)
     try:
-        if asked.compute:
-            compute(asked.folder, asked.jobs)
-        atlas = build(read_folder(asked.folder, None if asked.all else names))
+        found = read_folders(asked.folders)
+        missing = [material for material in materials() if key_of(material) not in found]
+        if asked.list:
+            print("\n".join(f"{file_name(material)}{'  missing' if material in missing else ''}" for material in materials()))
+            return 0
+        if asked.compute and missing:
+            compute(asked.folders[0], missing, asked.jobs)
+            found = read_folders(asked.folders)
+        wanted = [key_of(material) for material in materials()]
+        atlas = build([found[key] for key in wanted if key in found])
         asked.out.parent.mkdir(parents=True, exist_ok=True)
         atlas_file.write(atlas, asked.out)
     except InputError as error:
