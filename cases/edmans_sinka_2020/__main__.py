@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from calibration.unloadings import table_rows, write_table
@@ -19,17 +20,20 @@ from cases.edmans_sinka_2020 import (
     tables,
 )
 from cases.edmans_sinka_2020.data import Study, load
-from cases.edmans_sinka_2020.drawing import Picture
+from cases.edmans_sinka_2020.drawing import Drawn, Picture
 from cases.edmans_sinka_2020.facts import NU, Facts
 from cases.edmans_sinka_2020.inside import Inside
 from cases.edmans_sinka_2020.refit import Refit, refits
 from cases.edmans_sinka_2020.statements import judge, tally
+from cases.report import plots
 from cases.tradeoff.page import write_csv
 from contactlaws.errors import InputError
 from contactlaws.files import write_text
 
 
-def make(study: Study, unseen: Study | None, out: Path, within: dict[float, Inside], found: list[Refit]) -> Path:
+def make(
+    study: Study, unseen: Study | None, out: Path, within: dict[float, Inside], found: Sequence[Refit], shown: Sequence[Picture]
+) -> Path:
     """Everything, into `out`; the page is written last."""
     out.mkdir(parents=True, exist_ok=True)
     points = study.points
@@ -37,7 +41,7 @@ def make(study: Study, unseen: Study | None, out: Path, within: dict[float, Insi
     if unseen is not None:
         sets |= {"not in the fit": unseen.points, "not in the fit, plastic": unseen.points.where(unseen.points.plastic)}
     errors = tables.errors_of_equation_3(sets, found)
-    judgements = judge(Facts(study, within, found))
+    judgements = judge(Facts(study, within, list(found)))
     rows = list(table_rows(study.curves[key] for key in study.keys))
     for suffix in ("csv", "parquet"):
         write_table(rows, out / f"unloadings.{suffix}")
@@ -48,10 +52,10 @@ def make(study: Study, unseen: Study | None, out: Path, within: dict[float, Insi
         "statements": tables.statements(judgements),
     }.items():
         write_csv(table, out / f"{name}.csv")
-    drawn = pictures(study, within)
+    drawn = [Drawn(item, plots.svg(item.figure)) for item in shown]
     (out / "figures").mkdir(exist_ok=True)
     for item in drawn:
-        write_text(out / "figures" / f"{item.name}.svg", item.svg)
+        write_text(out / "figures" / f"{item.picture.name}.svg", item.svg)
     print(f"{len(rows)} unloadings, {len(drawn)} figures; statements: {', '.join(f'{n} {v}' for v, n in tally(judgements).items())}")
     return page.write(out / "edmans_sinka_2020.html", study, judgements, drawn, found, errors)
 
@@ -80,7 +84,7 @@ def main(arguments: list[str] | None = None) -> int:
         study = load(given.folder)
         unseen = load(given.unseen) if given.unseen else None
         within = inside.compute_all(study.moduli(NU), NU, out / "inside", lambda text: print(text, flush=True))
-        print(make(study, unseen, out, within, refits(study.points)))
+        print(make(study, unseen, out, within, refits(study.points), pictures(study, within)))
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

@@ -10,10 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cases.report import plots
 from cases.report.plots import GREY, styled
 
-__all__ = ["GREY", "Picture", "beside", "colour_of_depth", "colour_of_modulus", "new_figure", "picture", "styled"]
+__all__ = ["GREY", "Picture", "beside", "colour_of_depth", "colour_of_modulus", "new_figure", "styled"]
 
 D_MAX = r"overlap before unloading $\bar\delta_{max} = \delta_{max}/R_0$"
 E_BAR = r"stiffness ratio $\bar E = E/\sigma_y$"
@@ -26,7 +25,7 @@ class Picture(NamedTuple):
 
     number: str | None
     title: str
-    svg: str
+    figure: Figure
     caption: str
 
     @property
@@ -35,9 +34,11 @@ class Picture(NamedTuple):
         return f"figure_{self.number.zfill(2)}" if self.number else "beyond_" + "_".join(self.title.lower().split()[:3])
 
 
-def picture(number: str | None, title: str, figure: Figure, caption: str) -> Picture:
-    """Draw it; it is drawn once, for the page and for its file."""
-    return Picture(number, title, plots.svg(figure), caption)
+class Drawn(NamedTuple):
+    """A picture as SVG, drawn once for the page and for its file."""
+
+    picture: Picture
+    svg: str
 
 
 def new_figure(width: float, height: float, *shape: int, **settings: Any) -> tuple[Figure, Any]:

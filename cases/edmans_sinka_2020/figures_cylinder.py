@@ -18,7 +18,6 @@ from cases.edmans_sinka_2020.drawing import (
     colour_of_modulus,
     new_figure,
     panel_titles,
-    picture,
     styled,
 )
 
@@ -33,20 +32,20 @@ WHICH = (
 def pictures(study: Study) -> list[Picture]:
     """In the paper's order."""
     return [
-        picture(
+        Picture(
             "15",
             "Contact radius",
             contact_radius(study),
             "Contact radius over overlap in loading, ν = 0.3: finite elements (lines, ours), the paper's Eq. 13 (black), and Hertz "
             "(grey). Below: finite elements over Eq. 13.",
         ),
-        picture(
+        Picture(
             "16",
             "Cylinder model over stiffness ratio",
             over_modulus(),
             f"Unloading stiffness of the cylinder model over the stiffness ratio: {WHICH}",
         ),
-        picture("17", "Cylinder model over overlap", over_depth(), f"Unloading stiffness of the cylinder model over the overlap: {WHICH}"),
+        Picture("17", "Cylinder model over overlap", over_depth(), f"Unloading stiffness of the cylinder model over the overlap: {WHICH}"),
     ]
 
 

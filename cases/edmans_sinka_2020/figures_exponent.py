@@ -19,7 +19,6 @@ from cases.edmans_sinka_2020.drawing import (
     colour_of_modulus,
     new_figure,
     panel_titles,
-    picture,
     styled,
 )
 from cases.edmans_sinka_2020.figures_stiffness import over_poisson
@@ -30,14 +29,14 @@ NU = 0.3
 def pictures(study: Study) -> list[Picture]:
     """In the paper's order."""
     return [
-        picture(
+        Picture(
             "8",
             "Exponent over overlap",
             over_depth(study),
             "Exponent of the unloading over the overlap before it, ν = 0.3: (a) the whole range, (b) its beginning. Grey: Hertz's 1.5 "
             "and the 1 of a bar. Finite elements, ours.",
         ),
-        picture(
+        Picture(
             "9",
             "Exponent against Etsion's relation",
             against_etsion(study),
@@ -45,13 +44,13 @@ def pictures(study: Study) -> list[Picture]:
             "paper's Eq. 6 (black), over the overlap relative to that at first yield (corrected Eq. 5), ν = 0.3. Grey: the range that "
             "Eq. 6 was made for, up to 170.",
         ),
-        picture(
+        Picture(
             "20",
             "Exponent, all Poisson's ratios",
             all_poisson(study, study.poisson),
             "As Fig. 8, for each Poisson's ratio. Finite elements, ours.",
         ),
-        picture(
+        Picture(
             "22",
             "Poisson's ratio and exponent",
             over_poisson(study, "exponent", ALPHA, log=False),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from cases.edmans_sinka_2020.data import Lacking
-from cases.edmans_sinka_2020.drawing import Picture, beside, colour_of_depth, colour_of_modulus, new_figure, panel_titles, picture, styled
+from cases.edmans_sinka_2020.drawing import Picture, beside, colour_of_depth, colour_of_modulus, new_figure, panel_titles, styled
 from cases.edmans_sinka_2020.inside import DEPTHS, Inside
 
 SHOWN = (10.0, 1000.0)
@@ -19,13 +19,13 @@ def pictures(inside: dict[float, Inside]) -> list[Picture]:
             "The ring of contact in unloading from δ/R = 0.5, ν = 0.3: outer edge (lines) and, where the centre has left the flat, inner "
             "edge (dashed), over the share of the force that is left. Edges lie half way between two nodes, hence the steps."
         )
-        found.append(picture(None, "Opening at the centre", rings(inside), caption))
+        found.append(Picture(None, "Opening at the centre", rings(inside), caption))
     if all(modulus in inside for modulus in SHOWN):
         caption = (
             "Contact pressure at the end of loading, ν = 0.3: from Hertz's half ellipse to the plateau of indentation near 3σ_y, and on "
             "to the upsetting of a barrel, where the pressure falls towards σ_y again."
         )
-        found.append(picture(None, "Contact pressure", pressure(inside), caption))
+        found.append(Picture(None, "Contact pressure", pressure(inside), caption))
     return found
 
 

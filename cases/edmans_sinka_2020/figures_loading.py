@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from calibration.unloadings import Unloading
 from cases.edmans_sinka_2020 import paper
 from cases.edmans_sinka_2020.data import Study, force_unit
-from cases.edmans_sinka_2020.drawing import E_BAR, GREY, Picture, beside, colour_of_modulus, new_figure, picture, styled
+from cases.edmans_sinka_2020.drawing import E_BAR, GREY, Picture, beside, colour_of_modulus, new_figure, styled
 from contactlaws.curve import Curve
 from contactlaws.edmans_sinka import FIRST_YIELD
 
@@ -24,7 +24,7 @@ READING_STYLE = {"corrected": ("#0072B2", "-"), "printed": ("#D55E00", "--"), "u
 def pictures(study: Study) -> list[Picture]:
     """In the paper's order."""
     return [
-        picture(
+        Picture(
             "3",
             "Force in loading",
             force(study),
@@ -32,14 +32,14 @@ def pictures(study: Study) -> list[Picture]:
             "Eq. 5 with its coefficients in their right places; crosses: first yield in the finite elements. Open circles stand on the "
             "curve where Eq. 5 falls into its range. Everything drawn is ours; which unloadings the paper draws is not known.",
         ),
-        picture(
+        Picture(
             "4",
             "Stored energy",
             stored_energy(study),
             "Energy stored in the half sphere, over that of a half sphere everywhere at the yield stress in tension, ⅔πR³·σ_y²/2E; "
             "loading to δ/R = 0.5 (lines) and unloading from there (dashed). ν = 0.3; the paper does not say its ν. All ours.",
         ),
-        picture(
+        Picture(
             "7",
             "First yield",
             first_yield(study),

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from cases.edmans_sinka_2020 import paper
 from cases.edmans_sinka_2020.data import Points, Study
-from cases.edmans_sinka_2020.drawing import D_MAX, GREY, Picture, beside, colour_of_modulus, new_figure, panel_titles, picture, styled
+from cases.edmans_sinka_2020.drawing import D_MAX, GREY, Picture, beside, colour_of_modulus, new_figure, panel_titles, styled
 from cases.edmans_sinka_2020.inside import Inside
 
 NU = 0.3
@@ -19,7 +19,7 @@ FIG_12 = (200.0, 500.0, 1000.0)
 def pictures(study: Study, inside: dict[float, Inside]) -> list[Picture]:
     """In the paper's order."""
     return [
-        picture(
+        Picture(
             "10",
             "Stiffness ratio over relative overlap",
             over_relative_depth(study),
@@ -27,14 +27,14 @@ def pictures(study: Study, inside: dict[float, Inside]) -> list[Picture]:
             "Luding's model each line would be straight in (a); (b) is the same on logarithmic axes, where a measure of deformation by "
             "δ_max/δ_c alone would put all lines on one. Finite elements, ours.",
         ),
-        picture(
+        Picture(
             "11",
             "Stiffness ratio over force",
             over_force(study),
             "Unloading over loading stiffness, against the force before unloading, ν = 0.3. In Walton & Braun's model each line would be "
             "straight. Dotted: the best straight line through each. Finite elements, ours.",
         ),
-        picture(
+        Picture(
             "12",
             "Unloading stiffness against Etsion's relation",
             against_etsion(study),
@@ -42,7 +42,7 @@ def pictures(study: Study, inside: dict[float, Inside]) -> list[Picture]:
             "(ours), ν = 0.3, corrected Eq. 5: (a) for the stiffness ratios that the paper's text names, (b) for all. Below 1, Eq. 9 "
             "recovers too much.",
         ),
-        picture(
+        Picture(
             "13",
             "Force over contact area in unloading",
             over_area(study, inside),

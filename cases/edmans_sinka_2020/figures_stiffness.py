@@ -20,7 +20,6 @@ from cases.edmans_sinka_2020.drawing import (
     colour_of_modulus,
     new_figure,
     panel_titles,
-    picture,
     styled,
 )
 
@@ -31,33 +30,33 @@ SHALLOW, DEEP = 0.01, 0.5
 def pictures(study: Study) -> list[Picture]:
     """In the paper's order."""
     return [
-        picture(
+        Picture(
             "5",
             "Unloading stiffness over stiffness ratio",
             over_modulus(study, [NU]),
             "Unloading stiffness over the stiffness ratio at constant overlap, ν = 0.3. Dotted: what a body that recovers all its "
             "overlap would have, ρ = 1/δ̄_max. Finite elements, ours.",
         ),
-        picture(
+        Picture(
             "6",
             "Unloading stiffness over overlap",
             over_depth(study, [NU], equation_3=False),
             "The same stiffness over the overlap before unloading, at constant stiffness ratio, ν = 0.3. Finite elements, ours.",
         ),
-        picture(
+        Picture(
             "18",
             "Unloading stiffness over stiffness ratio, all Poisson's ratios",
             over_modulus(study, study.poisson),
             "As Fig. 5, for each Poisson's ratio. Dotted: ρ = 1/δ̄_max. Finite elements, ours.",
         ),
-        picture(
+        Picture(
             "19",
             "Unloading stiffness over overlap, all Poisson's ratios",
             over_depth(study, study.poisson, equation_3=True),
             "As Fig. 6, for each Poisson's ratio. Lines: finite elements, ours. Circles: the paper's Eq. 3 with its constants (Table 1) "
             "and the corrected Eq. 5.",
         ),
-        picture(
+        Picture(
             "21",
             "Poisson's ratio and unloading stiffness",
             over_poisson(study, "stiffness", RHO, log=True),

@@ -11,7 +11,7 @@ import numpy as np
 from cases.console import number
 from cases.edmans_sinka_2020 import paper, tables
 from cases.edmans_sinka_2020.data import Study
-from cases.edmans_sinka_2020.drawing import Picture
+from cases.edmans_sinka_2020.drawing import Drawn
 from cases.edmans_sinka_2020.refit import RESAMPLES, Refit
 from cases.edmans_sinka_2020.statements import GROUPS, Judgement, tally
 from cases.report import parts
@@ -37,7 +37,7 @@ def write(
     path: Path,
     study: Study,
     judgements: Sequence[Judgement],
-    pictures: Sequence[Picture],
+    pictures: Sequence[Drawn],
     refits: Sequence[Refit],
     errors: Sequence[tables.Row],
 ) -> Path:
@@ -153,9 +153,10 @@ def _statements(judgements: Sequence[Judgement]) -> Iterator[Block]:
         )
 
 
-def _figure(item: Picture) -> Block:
-    head = f"Fig. {item.number}. " if item.number else "Beyond the paper. "
-    return {"kind": "figures", "figures": [{"svg": item.svg, "caption": f"{head}{item.title}. {item.caption}"}]}
+def _figure(item: Drawn) -> Block:
+    picture = item.picture
+    head = f"Fig. {picture.number}. " if picture.number else "Beyond the paper. "
+    return {"kind": "figures", "figures": [{"svg": item.svg, "caption": f"{head}{picture.title}. {picture.caption}"}]}
 
 
 def _materials(study: Study) -> Iterator[Block]:
