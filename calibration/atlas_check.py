@@ -62,7 +62,7 @@ def differences(atlas: Atlas, curve: Curve) -> Iterator[Difference]:
     scale = curve.material.youngs_modulus * curve.radius**2
     for branch in curve.unloadings:
         found = unloading(curve, branch)
-        if found is None or contained(atlas, found.overlap / curve.radius):
+        if found is None or beyond(atlas, found.overlap / curve.radius):
             continue
         start = found.overlap / curve.radius
         truth = (found.force, found.contact_radius or np.nan, found.stiffness, found.exponent, found.recovered_energy)
@@ -71,10 +71,11 @@ def differences(atlas: Atlas, curve: Curve) -> Iterator[Difference]:
         rows = curve.rows(branch)
         share = (curve.overlap[rows] - curve.overlap[rows][-1]) / (curve.overlap[rows][0] - curve.overlap[rows][-1])
         shape = response.shape(start, share) - curve.force[rows] / curve.force[rows][0]
-        yield Difference(ratio, nu, start, *(values / truth - 1.0).tolist(), float(abs(shape).max()))
+        relative = (values / truth - 1.0).tolist()
+        yield Difference._make((ratio, nu, start, *relative, float(abs(shape).max())))
 
 
-def contained(atlas: Atlas, start: float) -> bool:
+def beyond(atlas: Atlas, start: float) -> bool:
     """Whether an overlap over the radius is beyond the atlas."""
     return start > float(atlas.starts[-1]) * (1.0 + 1e-6)
 

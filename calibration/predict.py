@@ -25,10 +25,13 @@ from contactlaws.fitted import FittedLaw
 from contactlaws.material import Material, problems_with
 from contactlaws.tabulate import from_curve
 from contactlaws.version import code_version
+from contactlaws.whole_range import whole_range
 
 FloatArray = npt.NDArray[np.float64]
 
 DEFAULT_LAW = "tabulated"
+#: its constants are its own: it takes nothing from the atlas but its error
+CLOSED_LAW = "whole_range"
 #: rows of a predicted loading: each overlap over the one before
 ROW_GROWTH = 1.1
 #: a tabulated law has an unloading at each THIN-th row of a response below the atlas's own
@@ -136,10 +139,11 @@ def _problems_with_options(radius: float, unload_from: Sequence[float] | None, m
                 yield Problem(
                     name, value, f"overlap over radius must lie in [{SMALLEST_OVERLAP:g}, 1)", "runs from 1e-5 to 0.5 are verified"
                 )
-    try:
-        recipe_for(law)
-    except InputError as error:
-        yield from error.problems
+    if law != CLOSED_LAW:
+        try:
+            recipe_for(law)
+        except InputError as error:
+            yield from error.problems
 
 
 def _asked(atlas: Atlas, unload_from: Sequence[float] | None, max_overlap: float | None) -> tuple[float, FloatArray]:
@@ -189,6 +193,8 @@ def curve_of(
 def _law(name: str, curve: Curve, response: Response, material: Material, facts: Mapping[str, Any]) -> FittedLaw:
     """The law of the predicted curve; a closed one is fitted to it and to the curve of the same body without yield stress."""
     deepest = float(curve.overlap.max()) / curve.radius
+    if name == CLOSED_LAW:
+        return FittedLaw(whole_range(material, curve.radius), float(curve.overlap.max()), material, (curve.content_hash,), origin=facts)
     if name != DEFAULT_LAW:
         elastic = curve_of(response.elastic, material.elastic, curve.radius, np.zeros(0), deepest, curve.errors, facts)
         return replace(fit([curve, elastic], law=name).fitted, origin=facts)
