@@ -326,7 +326,7 @@ def cheapest_law(
         value = getattr(score, quantity)
         if score.entrant in nanoseconds and score.overlap_over_radius <= largest_overlap * (1.0 + 1e-9):
             errors.setdefault(score.entrant, []).append(np.inf if value is None else abs(value))
-    found = [Choice(name, float(np.percentile(values, percentile)), nanoseconds[name]) for name, values in errors.items()]
+    found = [Choice(name, float(np.percentile(values, percentile, method="higher")), nanoseconds[name]) for name, values in errors.items()]
     good = [choice for choice in found if choice.error <= tolerance]
     if not good:
         best = min(found, key=lambda choice: choice.error, default=None)

@@ -13,6 +13,7 @@ from contactlaws.curve import Curve
 from contactlaws.errors import InputError, Problem
 from contactlaws.path import trace
 from contactlaws.rivals import becker_kamlah, etsion, jackson_green, kogut_etsion, mdr
+from contactlaws.whole_range_record import Constants
 
 #: law record, curve, overlap (m) -> whether the authors claim that their law holds there
 Inside = Callable[[Any, Curve, float], bool]
@@ -80,6 +81,10 @@ def _edmans_sinka(law: Any, curve: Curve, overlap: float) -> bool:
     return 1.0 - 1e-9 <= stiffness <= 1000.0 * (1.0 + 1e-9) and 0.01 - 1e-9 <= overlap / curve.radius <= 0.5 + 1e-9
 
 
+def _whole_range(law: Any, curve: Curve, overlap: float) -> bool:
+    return 0.01 - 1e-9 <= overlap / curve.radius <= 0.5 + 1e-9
+
+
 _MATERIAL = "nothing fitted: all from E, ν, Y"
 _STRENGTH = "Y fitted as an effective one, to the whole curve"
 _WHOLE = "fitted to the whole curve"
@@ -98,7 +103,7 @@ ENTRANTS: tuple[Entrant, ...] = (
     Entrant("Luding", "luding", f"k1, k_p/k1 and δ* {_WHOLE}", universal=0),
     Entrant("EEPA", "eepa", f"k1, k2/k1 and the exponent {_WHOLE}", universal=0),
     Entrant(
-        "Becker–Kamlah, as published",
+        "Becker–Kamlah, published",
         "becker_kamlah",
         "nothing fitted: constants of Eq. 54 for equal spheres",
         "E/Y = 18 (taken as 10 to 35), δ/R ≤ 0.15",
@@ -127,6 +132,14 @@ ENTRANTS: tuple[Entrant, ...] = (
         _edmans_sinka,
         8,
     ),
+    Entrant(
+        "whole range",
+        "whole_range",
+        "nothing fitted: all from E, ν, Y, with constants fitted once to the study's curves",
+        "1 ≤ E/Y, 0.01 ≤ δ/R ≤ 0.5",
+        _whole_range,
+        len(Constants._fields),
+    ),
     Entrant("tabulated", "tabulated", "the curve itself, without the unloadings that are scored", universal=0),
 )
 
@@ -139,7 +152,10 @@ def entrants(names: Iterable[str] | None = None) -> tuple[Entrant, ...]:
     listed = {entrant.law for entrant in ENTRANTS}
     known = [name for name in dispatch.laws() if _is_fittable(name)]
     unlisted = [name for name in known if name not in listed and name != "hertz_finite_size"]
-    field_of = (*ENTRANTS, *(Entrant(name.replace("_", " "), name, "as its recipe says, to the whole curve") for name in unlisted))
+    field_of = (
+        *(entrant for entrant in ENTRANTS if entrant.law in known),
+        *(Entrant(name.replace("_", " "), name, "as its recipe says, to the whole curve") for name in unlisted),
+    )
     if names is None:
         return field_of
     wanted = list(names)

@@ -55,13 +55,14 @@ def curve_of(
     force = [part.force[rows] for part, rows in zip(scans, tail, strict=True)]
     for unloading in force[1:]:
         unloading[-1] = 0.0
+    radius = np.concatenate([part.contact_radius[rows] for part, rows in zip(scans, tail, strict=True)])  # some laws do not know it
     return Curve(
         time=np.arange(sum(path.size for path in branches)),
         overlap=np.concatenate(branches),
         force=np.concatenate(force),
         branch=np.concatenate([np.full(path.size, k) for k, path in enumerate(branches)]),
         radius=law.radius,
-        contact_radius=np.concatenate([part.contact_radius[rows] for part, rows in zip(scans, tail, strict=True)]),
+        contact_radius=None if np.isnan(radius).any() else radius,
         material=material,
         **facts,
     )
