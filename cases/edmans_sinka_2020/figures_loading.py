@@ -29,8 +29,8 @@ def pictures(study: Study) -> list[Picture]:
             "Force in loading",
             force(study),
             "Force against overlap in loading, ν = 0.3, and for E/σ_y = 10 the unloadings as well. Circles: first yield by the paper's "
-            "Eq. 5 with its coefficients in their right places; crosses: first yield in the finite elements. Open circles stand on the "
-            "curve where Eq. 5 falls into its range. Everything drawn is ours; which unloadings the paper draws is not known.",
+            "Eq. 5 with its coefficients in their right places; crosses: first yield in the finite elements. All of it is ours; which "
+            "unloadings the paper draws is not known.",
         ),
         Picture(
             "4",

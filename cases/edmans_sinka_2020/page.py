@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cases.console import number
-from cases.edmans_sinka_2020 import paper, tables
+from cases.edmans_sinka_2020 import page_equation_3, paper, tables
 from cases.edmans_sinka_2020.data import Study
 from cases.edmans_sinka_2020.drawing import Drawn
-from cases.edmans_sinka_2020.refit import RESAMPLES, Refit
+from cases.edmans_sinka_2020.facts import FAILS, HOLDS, PARTLY, UNTESTED
+from cases.edmans_sinka_2020.refit import Refit
 from cases.edmans_sinka_2020.statements import GROUPS, Judgement, tally
-from cases.report import parts
+from cases.edmans_sinka_2020.wording import Block, prose, subscripts, table, text
 from cases.tradeoff.page import write_page
-from contactlaws.edmans_sinka import PUBLISHED
 
-Block = dict[str, Any]
+SIGNS = {HOLDS: "✓", PARTLY: "◐", FAILS: "✗", UNTESTED: "–"}
 
 TITLE = "Unloading of elastic-plastic spheres: the study of Edmans & Sinka (2020), done again"
 NOT_REDONE = (
@@ -26,11 +25,6 @@ NOT_REDONE = (
     "draws, ν of Fig. 4, abscissae of Figs. 9, 12, 21 and 22, and what Fig. 13 draws where the contact opens at its centre. The data "
     "behind the paper's figures are not public: what is compared are the numbers that its text, captions and table state."
 )
-
-
-def prose(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Block:
-    """A table of texts."""
-    return {"kind": "prose", "columns": columns, "rows": rows}
 
 
 def write(
@@ -44,9 +38,9 @@ def write(
     """Write the page; one file without any link."""
     sections = [
         {"title": "What was done", "blocks": list(_summary(study, judgements))},
-        {"title": "The fitted unloading stiffness, Eq. 3", "blocks": list(_equation_3(refits, errors))},
+        {"title": "The fitted unloading stiffness, Eq. 3", "blocks": list(page_equation_3.blocks(refits, errors))},
         {"title": "Every statement of the paper", "blocks": list(_statements(judgements))},
-        {"title": "Figures", "blocks": [parts.text(NOT_REDONE), *(_figure(item) for item in pictures)]},
+        {"title": "Figures", "blocks": [text(NOT_REDONE), *(_figure(item) for item in pictures)]},
         {"title": "Materials", "blocks": list(_materials(study))},
         {"title": "Where the curves are from, and what they cost", "blocks": list(_sources(study))},
     ]
@@ -60,7 +54,7 @@ def write(
 
 def _summary(study: Study, judgements: Sequence[Judgement]) -> Iterator[Block]:
     found = tally(judgements)
-    yield parts.text(
+    yield text(
         "B. D. Edmans and I. C. Sinka pressed an elastic-perfectly plastic sphere 560 times: ten ratios E/σ_y of Young's modulus to "
         "yield stress from 1 to 1000, four Poisson's ratios from 0 to 0.45, and unloading from 14 overlaps from 0.01 to 0.5 of the "
         "radius. Here every run, figure and number of their paper is made again with another solver, and every statement is held against "
@@ -68,13 +62,13 @@ def _summary(study: Study, judgements: Sequence[Judgement]) -> Iterator[Block]:
     )
     missing = [(e, nu) for nu in paper.POISSON for e in paper.MODULI if (e, nu) not in study.curves]
     if missing:
-        yield parts.text(
+        yield text(
             f"Missing: E/σ_y, ν = {', '.join(f'{e:g}, {nu:g}' for e, nu in missing)}. What needs them is marked as not tested.", note=True
         )
     for key, curve in study.curves.items():
         if curve.stopped:
-            yield parts.text(f"E/σ_y = {key[0]:g}, ν = {key[1]:g} ended early: {curve.stopped}.", note=True)
-    yield parts.text(
+            yield text(f"E/σ_y = {key[0]:g}, ν = {key[1]:g} ended early: {curve.stopped}.", note=True)
+    yield text(
         "Notation as in the paper: overbars are over the radius, the yield stress, or πR²σ_y; ρ = 1/(δ̄_max − δ̄_0) is the unloading "
         "stiffness, α the exponent of the unloading force. Both solvers have von Mises yield on the true stress at large strain and no "
         "hardening; they differ in the elastic law at large elastic strain, which matters below E/σ_y = 5, and in that our mesh keeps "
@@ -82,60 +76,10 @@ def _summary(study: Study, judgements: Sequence[Judgement]) -> Iterator[Block]:
     )
 
 
-def _equation_3(refits: Sequence[Refit], errors: Sequence[tables.Row]) -> Iterator[Block]:
-    yield parts.text(
-        "Eq. 3 needs the overlap at first yield, Eq. 5, which has three readings: corrected (K = 0.454 + 0.41ν, as Chang, Etsion & Bogy "
-        "have it), printed (its two coefficients exchanged), and unsquared (printed, without the square on the numerator; the only one "
-        "that gives the 366 that section 4.5 quotes). The published constants belong to the corrected or the printed one: with the third "
-        "their errors are twice the published ones."
-    )
-    yield parts.table(
-        ("unloadings", "count", "Eq. 5", "constants", *(f"error at the {p}th percentile (%)" for p in paper.PERCENTILES)),
-        [
-            ("paper", "560", "—", "paper", *(f"{100 * e:.2f}" for e in paper.ERRORS_OF_EQUATION_3)),
-            *(
-                (
-                    r["unloadings"],
-                    str(r["count"]),
-                    r["first_yield"],
-                    _made(r["constants"]),
-                    *(f"{100 * r[f'error_{p}th_percentile']:.2f}" for p in paper.PERCENTILES),
-                )
-                for r in errors
-            ),
-        ],
-    )
-    yield parts.text(
-        f"Constants fitted again, with standard errors from {RESAMPLES} draws of as many materials with replacement (errors are common to "
-        "a curve, so its 14 unloadings are drawn together). Made small is the sum over all unloadings of |ρ − ρ_FE| as in the paper, of "
-        "|ln ρ/ρ_FE|, or of its square."
-    )
-    yield parts.table(
-        ("Eq. 5", "made small", *(f"γ{i}" for i in range(1, 6))),
-        [
-            ("paper (Table 1)", "|ρ − ρ_FE|", *(f"{value:.4f}" for value in PUBLISHED)),
-            *(
-                (
-                    found.reading,
-                    _made(found.measure),
-                    *(f"{g:.4f} ± {e:.4f}" for g, e in zip(found.gammas, found.standard_errors, strict=True)),
-                )
-                for found in refits
-            ),
-        ],
-    )
-
-
-def _made(measure: str) -> str:
-    return {"absolute": "|ρ − ρ_FE|", "logarithm": "|ln ρ/ρ_FE|", "logarithm squared": "(ln ρ/ρ_FE)²"}.get(measure, measure)
-
-
 def _statements(judgements: Sequence[Judgement]) -> Iterator[Block]:
-    yield parts.text(
-        "In our words, with the place in the paper. The verdict is computed from our curves; “not tested” says what is lacking."
-    )
+    yield text("In our words, with the place in the paper. The verdict is computed from our curves; “not tested” says what is lacking.")
     for group, _ in GROUPS:
-        yield parts.text(group + ":")
+        yield text(group + ":")
         yield prose(
             ("place", "statement", "paper", "ours", "verdict", "remark"),
             [
@@ -144,7 +88,7 @@ def _statements(judgements: Sequence[Judgement]) -> Iterator[Block]:
                     item.statement.claim,
                     item.statement.paper,
                     item.finding.ours,
-                    item.finding.verdict,
+                    f"{SIGNS[item.finding.verdict]} {item.finding.verdict}",
                     item.finding.reason,
                 )
                 for item in judgements
@@ -154,9 +98,8 @@ def _statements(judgements: Sequence[Judgement]) -> Iterator[Block]:
 
 
 def _figure(item: Drawn) -> Block:
-    picture = item.picture
-    head = f"Fig. {picture.number}. " if picture.number else "Beyond the paper. "
-    return {"kind": "figures", "figures": [{"svg": item.svg, "caption": f"{head}{picture.title}. {picture.caption}"}]}
+    head = f"Fig. {item.picture.number}. " if item.picture.number else "Beyond the paper. "
+    return {"kind": "figures", "figures": [{"svg": item.svg, "caption": subscripts(head + item.picture.caption)}]}
 
 
 def _materials(study: Study) -> Iterator[Block]:
@@ -174,10 +117,10 @@ def _materials(study: Study) -> Iterator[Block]:
         "least R²": "least_r2",
     }
     rows = tables.materials(study)
-    yield parts.text(
+    yield text(
         "unloadings.csv and unloadings.parquet hold all unloadings with their energies and estimated errors; materials.csv this table."
     )
-    yield parts.table(tuple(columns), [tuple(number(row[name], 4) for name in columns.values()) for row in rows])
+    yield table(tuple(columns), [tuple(number(row[name], 4) for name in columns.values()) for row in rows])
 
 
 def _sources(study: Study) -> Iterator[Block]:
@@ -185,7 +128,7 @@ def _sources(study: Study) -> Iterator[Block]:
     for curve in study.curves.values():
         cost = curve.provenance.get("cpu_seconds", np.nan)
         versions.setdefault(str(curve.provenance.get("code", "not stated")), []).append(float(cost))
-    yield parts.table(("code", "curves", "CPU seconds"), [(code, str(len(cost)), f"{sum(cost):.0f}") for code, cost in versions.items()])
+    yield table(("code", "curves", "CPU seconds"), [(code, str(len(cost)), f"{sum(cost):.0f}") for code, cost in versions.items()])
     names: Mapping[str, str] = {
         "force": "force",
         "contact_radius": "contact radius",
@@ -198,5 +141,5 @@ def _sources(study: Study) -> Iterator[Block]:
         values = np.array([curve.errors[name] for curve in study.curves.values() if name in curve.errors])
         if values.size:
             rows.append((title, *(f"{value:.4f}" for value in (np.median(values), values.max()))))
-    yield parts.text("Errors of mesh and steps as each curve estimates them (relative; of α absolute), over all materials.")
-    yield parts.table(("quantity", "median", "largest"), rows)
+    yield text("Errors of mesh and steps as each curve estimates them (relative; of α absolute), over all materials.")
+    yield table(("quantity", "median", "largest"), rows)

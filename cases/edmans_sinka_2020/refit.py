@@ -52,8 +52,15 @@ def _residuals(points: Points, reading: str, measure: str, gammas: FloatArray) -
     return np.log(np.maximum(found / points.stiffness, 1e-6))
 
 
-def gammas_of(points: Points, reading: str, measure: str, weights: FloatArray, start: tuple[float, ...] = PUBLISHED) -> tuple[float, ...]:
-    """The constants that make the weighted measure smallest."""
+def gammas_of(
+    points: Points,
+    reading: str,
+    measure: str,
+    weights: FloatArray,
+    start: tuple[float, ...] = PUBLISHED,
+    shares: tuple[float, ...] = SHARPENING,
+) -> tuple[float, ...]:
+    """The constants that make the weighted measure smallest; `shares` as in `SHARPENING`."""
 
     def rows(gammas: FloatArray) -> FloatArray:
         return weights * _residuals(points, reading, measure, gammas)
@@ -64,7 +71,7 @@ def gammas_of(points: Points, reading: str, measure: str, weights: FloatArray, s
     size = float(np.abs(rows(inner)).mean())
     if size == 0.0:
         return start
-    for share in SHARPENING:
+    for share in shares:
         inner = least_squares(rows, inner, loss="soft_l1", f_scale=share * size, x_scale=np.array(PUBLISHED), max_nfev=200).x
     return tuple(inner.tolist())
 
@@ -79,7 +86,7 @@ def refit(points: Points, reading: str, measure: str, resamples: int = RESAMPLES
     for _ in range(resamples):
         counts = generator.multinomial(materials.size, np.full(materials.size, 1.0 / materials.size))
         weights = counts[np.searchsorted(materials, points.material)].astype(np.float64)
-        draws.append(gammas_of(points, reading, measure, weights, best))
+        draws.append(gammas_of(points, reading, measure, weights, best, SHARPENING[1:3]))
     return Refit(reading, measure, best, tuple(np.std(draws, axis=0, ddof=1).tolist()) if resamples > 1 else (np.nan,) * 5)
 
 

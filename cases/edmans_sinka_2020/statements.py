@@ -6,14 +6,15 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from cases.edmans_sinka_2020 import statements_exponent, statements_loading, statements_models, statements_stiffness
+from cases.edmans_sinka_2020 import statements_cylinder, statements_exponent, statements_loading, statements_models, statements_stiffness
 from cases.edmans_sinka_2020.facts import Facts, Finding, Statement
 
 GROUPS = (
     ("Loading, first yield, energy", statements_loading.STATEMENTS),
     ("Unloading stiffness", statements_stiffness.STATEMENTS),
     ("Unloading exponent", statements_exponent.STATEMENTS),
-    ("Other models, and the model of concentric cylinders", statements_models.STATEMENTS),
+    ("Models of others", statements_models.STATEMENTS),
+    ("The model of concentric cylinders", statements_cylinder.STATEMENTS),
 )
 
 

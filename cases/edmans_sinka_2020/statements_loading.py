@@ -71,7 +71,7 @@ def lowest_never_yields(facts: Facts) -> Finding:
     reason = (
         "At E/σ_y = 1 it is the elastic law at large strain that decides. Ours is linear between logarithmic strain and Kirchhoff stress "
         f"in shear, so the true stress grows as a body is squeezed, where it yields to {squeezed:.2f} of its volume; a law for the true "
-        "stress would need that much more strain, which is more than this range has. Up to there nothing yields in either."
+        "stress asks for that much more strain, which is about what is left of the range. Up to there nothing yields in either."
     )
     return Finding(f"first yield at δ/R = {span(at)}", verdict(False, min(at) > 0.4), reason)
 

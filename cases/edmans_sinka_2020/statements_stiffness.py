@@ -9,12 +9,8 @@ from cases.edmans_sinka_2020.data import Points
 from cases.edmans_sinka_2020.facts import HOLDS, NU, Facts, Finding, Lacking, Statement, span, verdict
 from cases.edmans_sinka_2020.figures_models import relative_depth
 from cases.edmans_sinka_2020.refit import READINGS, percentiles, relative_errors
+from cases.edmans_sinka_2020.wording import percents
 from contactlaws.edmans_sinka import PUBLISHED
-
-
-def percents(values: tuple[float, ...]) -> str:
-    """Percentiles in per cent."""
-    return " / ".join(f"{100 * value:.2f}" for value in values)
 
 
 def power_law(facts: Facts) -> Finding:
@@ -107,7 +103,7 @@ def asymmetry(facts: Facts) -> Finding:
     points = facts.study.points.where((facts.study.points.poisson == NU) & facts.study.points.plastic)
     relative = np.log(relative_depth(points))
     texts, apart = [], []
-    for value in (30.0, 1000.0):
+    for value in (30.0, 500.0):
         for name, column in (("k₂/k₁", points.stiffness * points.depth), ("α", points.exponent)):
             here = []
             for modulus in np.unique(points.modulus):
