@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from cases.batch import store
+from cases.batch.index import all_records
 from cases.batch.store import Record
 from cases.batch.task import Task
 from contactlaws.errors import InputError, Problem
@@ -25,29 +26,29 @@ class Listing(NamedTuple):
 
 def load_case(folder: Path) -> tuple[dict[str, Any], list[Record | None]]:
     """What the last run in `folder` wanted, and its records in order (None: not there yet). Raises `InputError` if there are none."""
-    try:
-        case = json.loads((folder / "case.json").read_text(encoding="utf-8"))
-        return case, [store.load(folder, item["task"], item["key"]) for item in case["tasks"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(Problem("folder", str(folder), "holds no results of fe2dem run", "give the folder that --out named")) from None
+    found = listing(folder)
+    return found.case, found.records
 
 
 def listing(folder: Path) -> Listing:
     """`load_case`, and how many results of other sources or other input the folder keeps."""
-    case, records = load_case(folder)
-    wanted = {store.record_path(folder, item["task"], item["key"]).name for item in case["tasks"]}
-    inputs = {item.get("input") for item in case["tasks"]}
-    with os.scandir(folder / "tasks") as entries:
-        others = [entry.path for entry in entries if entry.name.endswith(".json") and entry.name not in wanted]
-    same = sum(_input_of(path) in inputs for path in others)
+    try:
+        case = json.loads((folder / "case.json").read_text(encoding="utf-8"))
+        wanted = [(item["task"], f"{item['task'].split('.', 1)[0]}-{item['key']}.json", item.get("input")) for item in case["tasks"]]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise InputError(Problem("folder", str(folder), "holds no results of fe2dem run", "give the folder that --out named")) from None
+    known = all_records(folder)
+    records = [_found(folder, known.get(name), task) for task, name, _ in wanted]
+    others = known.keys() - {name for _, name, _ in wanted}
+    inputs = {item for _, _, item in wanted}
+    same = sum(known[name].input in inputs for name in others)
     return Listing(case, records, same, len(others) - same)
 
 
-def _input_of(path: str) -> str | None:
-    try:
-        return store.record_in(Path(path).read_bytes()).input or None
-    except (OSError, ValueError, TypeError):
+def _found(folder: Path, record: Record | None, task: str) -> Record | None:
+    if record is None or not store.is_whole(folder, record):
         return None
+    return record if record.task == task else replace(record, task=task)
 
 
 def declare(folder: Path, title: str, source: Path, code: str, tasks: Sequence[Task]) -> None:

@@ -13,6 +13,7 @@ import hashlib
 import json
 import os
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -76,8 +77,7 @@ def save(folder: Path, record: Record) -> Record:
     path = record_path(folder, record.task, record.key)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, json.dumps(asdict(whole), default=_plain) + "\n")
-    for place in {(folder / file).parent for file in record.files.values()} | {path.parent}:
-        _sync_folder(place)
+    _sync_folder(path.parent)
     return whole
 
 
@@ -91,9 +91,14 @@ def load(folder: Path, task: str, key: str, verify: bool = False) -> Record | No
         record = record_in(record_path(folder, task, key).read_bytes())
     except (OSError, ValueError, TypeError):
         return None
-    if record.key != key or not all(_whole(folder / file, record.sizes[name], verify) for name, file in record.files.items()):
+    if record.key != key or not is_whole(folder, record, verify):
         return None
     return record if record.task == task else replace(record, task=task)
+
+
+def is_whole(folder: Path, record: Record, verify: bool = False) -> bool:
+    """Whether all files of a record are there with the size that they were written with and, with `verify`, the same bytes."""
+    return all(_whole(f"{folder}/{file}", record.sizes[name], verify) for name, file in record.files.items())
 
 
 def record_in(text: bytes | str) -> Record:
@@ -104,18 +109,17 @@ def record_in(text: bytes | str) -> Record:
     return Record(**{**content, "sizes": {name: tuple(size) for name, size in content.get("sizes", {}).items()}})
 
 
-def _whole(path: Path, size: tuple[int, str], verify: bool) -> bool:
-    if verify:
-        return path.exists() and _size_and_hash(path) == size
-    return _bytes_in(path) == size[0]
-
-
-def _bytes_in(path: Path) -> int | None:
-    """Size of a file, or of all files in a folder; None if there is none."""
+def _whole(path: str, size: tuple[int, str], verify: bool) -> bool:
     try:
-        return sum(file.stat().st_size for file in _files(path)) if path.is_dir() else path.stat().st_size
+        return _size_and_hash(Path(path)) == size if verify else _bytes_in(path) == size[0]
     except OSError:
-        return None
+        return False
+
+
+def _bytes_in(path: str) -> int:
+    """Size of a file, or of all files in a folder."""
+    found = os.stat(path)
+    return sum(file.stat().st_size for file in _files(Path(path))) if stat.S_ISDIR(found.st_mode) else found.st_size
 
 
 def _size_and_hash(path: Path) -> tuple[int, str]:
@@ -132,7 +136,7 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Names of files are on the disk only when their folder is."""
+    """The name of a new file is on the disk only when its folder is. Where this brings no others along, their loss is found."""
     if os.name != "posix":
         return
     handle = os.open(folder, os.O_RDONLY)
