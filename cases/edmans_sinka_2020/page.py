@@ -42,6 +42,7 @@ def write(
         {"title": "Every statement of the paper", "blocks": list(_statements(judgements))},
         {"title": "Figures", "blocks": [text(NOT_REDONE), *(_figure(item) for item in pictures)]},
         {"title": "Materials", "blocks": list(_materials(study))},
+        {"title": "All unloadings", "blocks": list(_matrices(study))},
         {"title": "Where the curves are from, and what they cost", "blocks": list(_sources(study))},
     ]
     count = sum(len(found) for found in study.unloadings.values())
@@ -121,6 +122,20 @@ def _materials(study: Study) -> Iterator[Block]:
         "unloadings.csv and unloadings.parquet hold all unloadings with their energies and estimated errors; materials.csv this table."
     )
     yield table(tuple(columns), [tuple(number(row[name], 4) for name in columns.values()) for row in rows])
+
+
+def _matrices(study: Study) -> Iterator[Block]:
+    names = {"stiffness": ("Unloading stiffness ρ", 4), "exponent": ("Exponent α", 4)}
+    for quantity, (title, digits) in names.items():
+        for nu in study.poisson:
+            depths = np.unique(study.points.depth[study.points.poisson == nu])
+            yield text(f"{title} for ν = {nu:g}; E/σ_y downwards, δ/R before unloading to the right.")
+            rows = []
+            for modulus in study.moduli(nu):
+                points = study.of(modulus, nu)
+                there = dict(zip(points.depth.tolist(), getattr(points, quantity).tolist(), strict=True))
+                rows.append((f"{modulus:g}", *(number(there.get(float(depth)), digits) for depth in depths)))
+            yield table(("E/σ_y", *(f"{depth:g}" for depth in depths)), rows)
 
 
 def _sources(study: Study) -> Iterator[Block]:

@@ -17,7 +17,7 @@ FloatArray = npt.NDArray[np.float64]
 READINGS = tuple(FIRST_YIELD)
 #: what is made small: the sum of |rho - rho_FE| (the paper), of |ln(rho/rho_FE)|, of its square
 MEASURES = ("absolute", "logarithm", "logarithm squared")
-RESAMPLES = 200
+RESAMPLES = 100
 #: a sum of absolute values is the limit of smooth sums that turn linear ever nearer to zero: at these shares of the mean residual
 SHARPENING = (1.0, 0.1, 0.01, 0.001)
 

@@ -56,6 +56,10 @@ def area_falls_faster(facts: Facts) -> Finding:
     return Finding(ours, verdict(ratio < 0.48), "")
 
 
+def any_pressure(facts: Facts) -> Finding:
+    return Finding("no bound", HOLDS, "By definition: the von Mises stress knows the deviator only.")
+
+
 def hydrostatic(facts: Facts) -> Finding:
     bodies = {depth: facts.within(1000.0).field("loading", depth) for depth in (0.01, 0.1, 0.5)}
     share = [body.mean(body.pressure) / -body.mean(body.stress[:, 1]) for body in bodies.values()]
@@ -169,6 +173,7 @@ STATEMENTS = (
     Statement("4.4", "For E/σ_y = 1 the exponent tends to Hertz's as the overlap vanishes", "1.5", hertz_limit),
     Statement("4.4", "For the elastic sphere a² grows from Rδ to a multiple of it at δ/R = 0.5", "about 1.4", area_at_half),
     Statement("4.4", "In unloading the elastic contact area shrinks faster than Hertz's", "—", area_falls_faster),
+    Statement("4.4", "Yielded states of stress may have any hydrostatic part", "—", any_pressure),
     Statement("4.4", "At high E/σ_y further loading drives stress towards ever larger hydrostatic compression", "—", hydrostatic),
     Statement("4.4", "Stress becomes more uniform in the body as the overlap grows", "—", uniform),
     Statement("4.4", "From large overlaps of stiff bodies the contact area shrinks less in unloading", "—", area_stays),

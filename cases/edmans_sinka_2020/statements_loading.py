@@ -101,12 +101,14 @@ def below_surface(facts: Facts) -> Finding:
 def at_surface(facts: Facts) -> Finding:
     found = first_yields(facts.study, [500.0, 1000.0])
     scale = [(1.0 - z) / np.sqrt(overlap) for _, _, overlap, _, z in found]
-    radius = [np.sqrt(overlap) for _, _, overlap, *_ in found]
-    ours = f"{span(scale)} of the contact radius below the surface, as for every stiff material"
+    elements = [np.sqrt(overlap) / paper.ELEMENT_EDGE for _, _, overlap, *_ in found]
+    ours = (
+        f"{span(scale)} of the contact radius below the surface, as for every stiff material, at δ/R = {span([item[2] for item in found])}"
+    )
     reason = (
-        f"Small strain cannot change where Hertz's stress is largest. At first yield the contact radius is {span(radius)} R, about or "
-        f"less than one element of the paper's mesh ({paper.ELEMENT_EDGE:.4f} R), which therefore sees yield in its surface element. We "
-        "resolve it in a run of its own."
+        f"At once it is, but not at the surface: at first yield the contact radius is {span(elements, '.1f')} elements of the paper's "
+        "mesh, which therefore sees yield in its surface element. Strains this small cannot move the place where Hertz's stress is "
+        "largest; we resolve it in a run of its own."
     )
     return Finding(ours, verdict(max(scale) < 0.1, False), reason)
 
@@ -134,6 +136,16 @@ def retarded(facts: Facts) -> Finding:
     return Finding(
         ours, verdict(max(slopes) < 0.9), "Beyond it the whole body flows and the force rises again with the growing cross-section."
     )
+
+
+def contact_area_alone(facts: Facts) -> Finding:
+    pressure = []
+    for depth in (0.01, 0.1, 0.3, 0.5):
+        line = facts.loading(1000.0)
+        pressure.append(float(np.interp(depth, line.depth, line.force)) / facts.radius_at(1000.0, depth) ** 2)
+    ours = f"mean contact pressure over σ_y at E/σ_y = 1000: {', '.join(f'{p:.2f}' for p in pressure)} at δ/R = 0.01, 0.1, 0.3, 0.5"
+    reason = "The force does follow the area at first (indentation); as the plastic zone reaches the flanks the pressure halves."
+    return Finding(ours, verdict(min(pressure) > 0.9 * max(pressure), False), reason)
 
 
 def minima_and_maxima(facts: Facts) -> Finding:
