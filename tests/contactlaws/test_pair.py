@@ -13,7 +13,7 @@ from contactlaws.elastic import Hertz
 from contactlaws.elastoplastic import Thornton, thornton_yield_overlap
 from contactlaws.errors import InputError
 from contactlaws.material import Material
-from contactlaws.pair import effective, first_yield_pressure, pressure_at_yield
+from contactlaws.pair import effective, first_yield_pressure, pressure_at_yield, share_of_softer
 
 ROUND_OFF = 1e-12
 
@@ -64,6 +64,47 @@ def test_elastic_pair_is_hertz_with_both_curvatures(one: tuple[Material, float],
 
 
 @untimed
+@given(bodies, bodies, st.floats(1e-6, 1e-3), st.floats(0.1, 1.0))
+def test_no_share_changes_small_overlaps(one: tuple[Material, float], two: tuple[Material, float], depth: float, share: float):
+    """Elastic and plastic line of Thornton's law, contact radius, energies, stiffness: as for two equal bodies."""
+    (m1, r1), (m2, r2) = one, two
+    half, other = effective(m1, r1, m2, r2), effective(m1, r1, m2, r2, share)
+    pressure = min(1e3 * half.material.youngs_modulus, first_yield_pressure(half.material))
+    laws = [Thornton(body.radius, body.material.reduced_modulus, pressure) for body in (half, other)]
+    largest = depth * min(r1, r2)
+    _, state = pair.pair_force(laws[0], 1.0, largest, 0.0, 0.0, (0.0,))
+    _, shared = pair.shared_force(laws[1], share, largest, 0.0, 0.0, (0.0,))
+    for overlap in (largest, 0.99 * largest):
+        equal = pair.pair_force(laws[0], 1.0, overlap, 0.0, 0.0, state)[0], *pair.pair_energy(laws[0], 1.0, overlap, state)
+        found = pair.shared_force(laws[1], share, overlap, 0.0, 0.0, shared)[0], *pair.shared_energy(laws[1], share, overlap, shared)
+        scale = (equal[0], *[max(equal[1:])] * 2)
+        assert found == pytest.approx(equal, rel=1e-9, abs=1e-9 * max(scale[1], 1e-300))  # energies are differences of larger ones
+        radii = pair.pair_contact_radius(laws[0], 1.0, overlap, state), pair.shared_contact_radius(laws[1], share, overlap, shared)
+        assert radii[0] == pytest.approx(radii[1], rel=1e-9)
+    bounds = pair.pair_stiffness_bound(laws[0], 1.0, largest), pair.shared_stiffness_bound(laws[1], share, largest)
+    assert bounds[0] == pytest.approx(bounds[1], rel=1e-9)
+
+
+@untimed
+@given(bodies, bodies)
+def test_share_lies_between_two_equal_bodies_and_one(one: tuple[Material, float], two: tuple[Material, float]):
+    share = share_of_softer(*one, *two)
+    assert 0.5 <= share <= 1.0
+    assert share == pytest.approx(share_of_softer(*two, *one), rel=ROUND_OFF)
+    assert share_of_softer(one[0], one[1], one[0], two[1]) == pytest.approx(0.5, rel=ROUND_OFF)
+
+
+def test_on_a_rigid_flat_the_softer_sphere_is_itself():
+    soft, flat = (Material(70e9, 0.33, 0.3e9), 1e-3), (Material(1e22, 0.3), 1e9)
+    share = share_of_softer(*soft, *flat)
+    body = effective(*soft, *flat, share)
+    assert share == pytest.approx(1.0, rel=1e-11)
+    assert body.radius == pytest.approx(soft[1], rel=1e-11)
+    assert body.material.youngs_modulus == pytest.approx(soft[0].youngs_modulus, rel=1e-11)
+    assert body.material[1:] == soft[0][1:]
+
+
+@untimed
 @given(bodies, bodies)
 def test_pair_yields_where_the_weaker_body_does(one: tuple[Material, float], two: tuple[Material, float]):
     """Overlap (pi p/(2 E*))^2 R of the pair at the smaller of the two pressures of first yield; then F grows by pi p R (Thornton)."""
@@ -106,10 +147,11 @@ def test_pressure_at_yield_is_the_maximum_over_depth(nu: float):
 
 def test_all_that_is_wrong_is_said_at_once():
     with pytest.raises(InputError) as caught:
-        effective(Material(-1.0, 0.3), 1.0, Material(1.0, 0.5, 0.0), math.nan)
+        effective(Material(-1.0, 0.3), 1.0, Material(1.0, 0.5, 0.0), math.nan, 0.0)
     assert [problem.name for problem in caught.value.problems] == [
         "material_1: youngs_modulus",
         "material_2: yield_stress",
         "material_2: poissons_ratio",
         "radius_2",
+        "share",
     ]
