@@ -44,3 +44,19 @@ def tradeoff_law(
     from cases.tradeoff.law import tradeoff_law as show
 
     show(folder, quantity, tolerance, max_overlap, out)
+
+
+@tradeoff.command("fe")
+def tradeoff_fe(
+    out: Annotated[Path | None, _option("Folder for tables, pictures and report.html; default: results/tradeoff-fe.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Two bodies and coarse meshes: a look, in a minute.")] = False,
+    finest: Annotated[int | None, _option("Even number of divisions of the mesh that the others are measured against.")] = None,
+) -> None:
+    """Error of the finite-element curves against CPU time: mesh, steps, smoothing, element, levels of tolerance; about five CPU minutes."""
+    from cases.tradeoff.fe import tradeoff_fe as measure
+
+    if finest is not None and (finest % 2 or not 12 <= finest <= 64):
+        from contactlaws.errors import InputError, Problem
+
+        raise InputError(Problem("--finest", finest, "must be an even number from 12 to 64", "20 takes minutes, 32 takes hours"))
+    print(f"report: {measure(out or Path('results') / 'tradeoff-fe', quick, finest)}")
