@@ -82,15 +82,15 @@ def _sections(
 
 
 def _percentiles(table: Sequence[Mapping[str, Any]], subset: str) -> dict[str, Any]:
-    """Points and 50/90/100th percentile of each quantity."""
+    """Points, and median, 90th percentile and worst of each quantity."""
     rows = []
     for row in table:
         cells = []
         for quantity in SCORED:
-            values = [row[f"{subset}_{quantity}_{percentile}"] for percentile in (50, 75, 90, 100)]
+            values = [row[f"{subset}_{quantity}_{percentile}"] for percentile in (50, 90, 100)]
             cells.append("–" if values[0] is None else " / ".join(in_percent(value) for value in values))
         rows.append((row["entrant"], str(row[f"{subset}_force_points"]), *cells))
-    return parts.table(("50/75/90/100th percentile, %", "unloadings", *TITLES.values()), rows)
+    return parts.table(("median / 90th percentile / worst, %", "points", *TITLES.values()), rows)
 
 
 def _costs(table: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
