@@ -54,7 +54,8 @@ def pressure(inside: dict[float, Inside]) -> Figure:
             except Lacking:
                 continue
             axis.plot(radius, value, "o-", ms=2.0, lw=1.0, color=colour_of_depth(depth), label=f"{depth:g}")
-        axis.set(xlabel=r"distance from the axis $r/R_0$", xlim=(0, 1.02), ylim=(0, None))
+        axis.set(xlabel=r"distance from the axis $r/R_0$", xlim=(0, 1.02))
+    axes[0].set_ylim(bottom=0)
     axes[0].set_ylabel(r"contact pressure $p/\sigma_y$")
     panel_titles(axes, [rf"$\bar E = {modulus:g}$" for modulus in SHOWN])
     beside(figure, axes[0], r"$\bar\delta$")

@@ -130,8 +130,8 @@ def no_yield_in_model(facts: Facts) -> Finding:
 def linear_laws(facts: Facts) -> Finding:
     shape = [facts.at("exponent", modulus, depth) for modulus in (10.0, 100.0, 1000.0) for depth in (0.01, 0.1, 0.5)]
     ours = (
-        f"with α = {span(shape)} a line through start and separation misses the recovered energy by "
-        f"{span([100 * (a - 1.0) / 2.0 for a in shape], '.0f')} % too much"
+        f"with α = {span(shape)} a line from start to separation gives back "
+        f"{span([100 * (a - 1.0) / 2.0 for a in shape], '.0f')} % too much energy"
     )
     return Finding(ours, PARTLY, "Separation and force at the start are right, the energy (1/(α + 1) against 1/2) is not; for E/σ_y ≥ 10.")
 

@@ -93,8 +93,7 @@ def grows_at_small_depth(facts: Facts) -> Finding:
     ratios = [facts.at("stiffness", modulus, 0.01) / facts.at("stiffness", modulus, 0.1) for modulus in (20.0, 100.0, 1000.0)]
     ours = f"ρ at δ/R = 0.01 over that at 0.1: {', '.join(f'{r:.2f}' for r in ratios)} for E/σ_y = 20, 100, 1000"
     reason = (
-        "Similarity of plastic indentation with the recovery of Mesarovic & Johnson gives ρ ≈ 0.114 (E/σ_y) δ̄^−½, next to the fitted "
-        "γ₂, γ₃."
+        "Similarity of plastic indentation with the recovery of Mesarovic & Johnson gives ρ ≈ 0.114 (E/σ_y)/√δ̄, next to the fitted γ₂, γ₃."
     )
     return Finding(ours, verdict(min(ratios) > 1.2), reason)
 
@@ -140,7 +139,7 @@ def on_plastic_points(facts: Facts) -> Finding:
 
 def table_1(facts: Facts) -> Finding:
     found = facts.refit("corrected", "absolute")
-    ours = ", ".join(f"γ{i} = {g:.4f} ± {e:.4f}" for i, (g, e) in enumerate(zip(found.gammas, found.standard_errors, strict=True), 1))
+    ours = ", ".join(f"γ_{i} = {g:.4f} ± {e:.4f}" for i, (g, e) in enumerate(zip(found.gammas, found.standard_errors, strict=True), 1))
     off = [abs(g - p) / max(e, 1e-12) for g, p, e in zip(found.gammas, PUBLISHED, found.standard_errors, strict=True)]
     reason = (
         "Least sum of |ρ − ρ_FE|, corrected Eq. 5; standard errors from materials drawn again. The paper's constants lie "
@@ -185,6 +184,6 @@ STATEMENTS = (
     ),
     Statement("4.3", "Relative errors of Eq. 3 at the 50/75/90/100th percentile", percents(paper.ERRORS_OF_EQUATION_3) + " %", equation_3),
     Statement("7", "Eq. 3 gives ρ accurately over the whole range of materials and overlaps", "—", on_plastic_points),
-    Statement("Table 1", "Best constants of Eq. 3", ", ".join(f"γ{i} = {g}" for i, g in enumerate(PUBLISHED, 1)), table_1),
+    Statement("Table 1", "Best constants of Eq. 3", ", ".join(f"γ_{i} = {g}" for i, g in enumerate(PUBLISHED, 1)), table_1),
     Statement("4.3, 7, Fig. 21", "Poisson's ratio matters little for ρ, but not nothing", "—", poisson_is_minor),
 )

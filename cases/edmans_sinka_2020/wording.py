@@ -14,12 +14,12 @@ Block = dict[str, Any]
 
 
 def subscripts(words: str) -> Markup:
-    """Plain text as HTML, with what follows an underscore as a subscript.
+    """Plain text as HTML, with what follows an underscore as a subscript, and fractions kept on one line.
 
-    >>> str(subscripts("E/σ_y < 5"))
-    'E/σ<sub>y</sub> &lt; 5'
+    >>> str(subscripts("δ_c/R < 5"))
+    'δ<sub>c</sub>/\\u2060R &lt; 5'
     """
-    return Markup(re.sub(r"_([A-Za-z0-9]+)", r"<sub>\1</sub>", str(escape(words))))
+    return Markup(re.sub(r"_([A-Za-z0-9]+)", r"<sub>\1</sub>", str(escape(words))).replace("/", "/\u2060").replace("</\u2060", "</"))
 
 
 def text(words: str, note: bool = False) -> Block:
