@@ -140,7 +140,7 @@ ENTRANTS: tuple[Entrant, ...] = (
         _whole_range,
         len(Constants._fields),
     ),
-    Entrant("tabulated", "tabulated", "the curve itself, without the unloadings that are scored", universal=0),
+    Entrant("tabulated", "tabulated", "made of the curve without every second unloading; its loading is the curve's own", universal=0),
 )
 
 

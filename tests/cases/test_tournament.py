@@ -21,7 +21,6 @@ from contactlaws.material import Material
 from tests.contactlaws.samples import curve_of
 
 DEPTHS = (0.05, 0.1, 0.2, 0.4, 0.7, 1.0)
-SLOW = pytest.mark.compiled_only(reason="some 10 000 evaluations of a law for each score")
 
 
 def thorntons(stiffness: float, nu: float = 0.3):
@@ -47,7 +46,6 @@ def played(curves: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-@SLOW
 def test_writes_every_score_and_standing(played: Path):
     scores, nanoseconds = read_scores(played)
     assert len(scores) == 2 * 2 * len(DEPTHS)
@@ -60,7 +58,6 @@ def test_writes_every_score_and_standing(played: Path):
     assert {f"unseen_{name}_points" for name in SCORED} <= set(rows["Hertz"])
 
 
-@SLOW
 def test_the_page_stands_alone(played: Path):
     text = (played / "report.html").read_text(encoding="utf-8")
     assert "http://" not in text.replace("http://www.w3.org", "").replace("http://purl.org", "").replace("http://creativecommons.org", "")
@@ -71,7 +68,6 @@ def test_the_page_stands_alone(played: Path):
     assert all((played / f"{name}.png").stat().st_size > 10_000 for name in ("scores", "materials", "curves", "tradeoff"))
 
 
-@SLOW
 def test_a_tolerance_names_the_cheapest_law_that_keeps_it(played: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     picture = tmp_path / "trade.png"
     arguments = ["tradeoff", "law", str(played), "--quantity", "force", "--tolerance", "0.001", "--out", str(picture)]
@@ -81,7 +77,6 @@ def test_a_tolerance_names_the_cheapest_law_that_keeps_it(played: Path, tmp_path
     assert picture.stat().st_size > 10_000
 
 
-@SLOW
 def test_a_tolerance_that_no_law_keeps_is_refused(played: Path, capsys: pytest.CaptureFixture[str]):
     assert execute(["tradeoff", "law", str(played), "--quantity", "recovered_energy", "--tolerance", "1e-12"]) == 2
     assert "the best, Thornton" in capsys.readouterr().err
@@ -111,7 +106,6 @@ def test_all_problems_of_a_trade_are_named_at_once(tmp_path: Path, capsys: pytes
     assert all(name in said for name in ("--quantity", "--tolerance", "--max-overlap"))
 
 
-@SLOW
 def test_a_law_that_fails_on_a_curve_is_told_and_the_rest_goes_on(tmp_path: Path):
     """Poisson's ratio of a curve without a material is known to nobody."""
     mixed = tmp_path / "mixed"
