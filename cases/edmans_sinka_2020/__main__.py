@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from calibration.unloadings import table_rows, write_table
+from cases.batch.store import problems_with_folder
 from cases.edmans_sinka_2020 import (
     figures_cylinder,
     figures_exponent,
@@ -27,7 +28,7 @@ from cases.edmans_sinka_2020.refit import Refit, refits
 from cases.edmans_sinka_2020.statements import judge, tally
 from cases.report import plots
 from cases.tradeoff.page import write_csv
-from contactlaws.errors import InputError
+from contactlaws.errors import InputError, require
 from contactlaws.files import write_text
 
 
@@ -82,6 +83,7 @@ def main(arguments: list[str] | None = None) -> int:
     out = given.out or given.folder / "edmans_sinka_2020"
     try:
         study = load(given.folder)
+        require(problems_with_folder("--out", out))
         unseen = load(given.unseen) if given.unseen else None
         within = inside.compute_all(study.moduli(NU), NU, out / "inside", lambda text: print(text, flush=True))
         print(make(study, unseen, out, within, refits(study.points), pictures(study, within)))

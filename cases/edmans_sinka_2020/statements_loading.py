@@ -81,10 +81,7 @@ def centre(facts: Facts) -> Finding:
     at_centre = [f"{e:g}, {nu:g}" for e, nu, _, r, z in found if np.hypot(r, z) < NEAR]
     heights = [z for *_, z in found]
     ours = f"distance from the mid-plane {span(heights)} R; at the centre only for E/σ_y, ν = {'; '.join(at_centre) or 'none'}"
-    reason = (
-        "With falling E/σ_y the place wanders down the axis; it arrives at the centre for E/σ_y = 1 and ν ≥ 0.3 only. At E/σ_y = 2 it is "
-        "half way."
-    )
+    reason = "With falling E/σ_y the place wanders down the axis; it arrives at the centre only for the lowest ratio and the higher ν."
     return Finding(ours, verdict(len(at_centre) == len(found), bool(at_centre)), reason)
 
 

@@ -137,9 +137,10 @@ def mesarovic_johnson(facts: Facts) -> Finding:
         found[modulus] = float(np.sqrt(np.mean((paper.mesarovic_johnson_force(radius) - share) ** 2)))
     ours = "rms difference of F/F_max: " + ", ".join(f"{value:.2f} ({modulus:g})" for modulus, value in found.items())
     low, high = min(found[m] for m in (1.0, 2.0, 5.0, 10.0)), min(found[m] for m in (100.0, 1000.0))
+    closest = min(found, key=lambda modulus: found[modulus])
     reason = (
-        "Closest at E/σ_y = 5. Eq. 10 is made for a flat punch on a half-space; from 0.5 a stiff body is a barrel whose contact hardly "
-        "shrinks."
+        f"Closest at E/σ_y = {closest:g}. Eq. 10 is made for a flat punch on a half-space; from 0.5 a "
+        "stiff body is a barrel whose contact hardly shrinks."
     )
     return Finding(ours, verdict(high > 2.0 * max(low, 0.05)), reason)
 
