@@ -89,17 +89,21 @@ class Tournament:
 def play(
     curves: Sequence[Curve], entrants: Iterable[Entrant], progress: Callable[[float, str], None] = lambda fraction, text: None
 ) -> Tournament:
-    """Fit and score; a law that cannot be fitted to a curve is a result with its reason. Raises `InputError` without any unloading."""
+    """Fit and score; a law that cannot be fitted to a curve is a result with its reason.
+
+    Curves without unloadings are not scored, but lend their elasticity. Raises `InputError` without any unloading.
+    """
     field = tuple(entrants)
     measured = [(curve, measurements(curve)) for curve in curves]
     if not any(found for _, found in measured):
         remedy = "give curves that unload to separation (--unload-from)"
         raise InputError(Problem("curves", len(curves), "hold no unloading that ends in separation: nothing to score", remedy))
     fits, scores = [], []
-    for number, (curve, found) in enumerate(measured):
+    scored = [(curve, found) for curve, found in measured if found]
+    for number, (curve, found) in enumerate(scored):
         companion = elastic_companion(curve, curves)
         for entrant in field:
-            progress(number / len(measured), f"{entrant.name}, curve {number + 1} of {len(measured)}")
+            progress(number / len(scored), f"{entrant.name}, curve {number + 1} of {len(scored)}")
             one = fitted(entrant, curve, companion)
             try:
                 scores += [] if one.law is None else list(_scores(entrant, one.law, curve, found))

@@ -19,7 +19,9 @@ def _option(help_text: str) -> Any:
 
 
 def tournament(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Holds curves with unloadings (.parquet, .csv).", show_default=False)],
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="Results of fe2dem run, or curves (.parquet, .csv).", show_default=False)
+    ],
     laws: Annotated[list[str] | None, _option("A B ...: laws, as listed by `fe2dem laws`; default: all that can be fitted.")] = None,
     out: Annotated[Path | None, _option("Folder for tables, pictures and report.html; default: results/tournament.")] = None,
 ) -> None:
@@ -39,11 +41,18 @@ def tradeoff_law(
     tolerance: Annotated[float | None, _option("Largest relative error: names the cheapest law that keeps it (0.01 is 1 %).")] = None,
     max_overlap: Annotated[float | None, _option("Only overlaps over the radius up to this.")] = None,
     out: Annotated[Path | None, _option("PICTURE.png of error against cost.")] = None,
+    save_scores: Annotated[
+        Path | None, _option("SCORES.parquet: what --tolerance of `fit` and `predict` goes by (calibration/data/tradeoff_law.parquet).")
+    ] = None,
 ) -> None:
     """Error of the laws against nanoseconds per contact, from the scores of a tournament."""
     from cases.tradeoff.law import tradeoff_law as show
 
     show(folder, quantity, tolerance, max_overlap, out)
+    if save_scores is not None:
+        from cases.tradeoff.law_scores import save_scores as save
+
+        print(f"written: {save(folder, save_scores)}")
 
 
 @tradeoff.command("fe")

@@ -41,9 +41,15 @@ WHAT = (
 
 
 def write_page(
-    out: Path, lead: str, played: Tournament, curves: Sequence[Curve], measured: Mapping[str, Cost], table: Sequence[Mapping[str, Any]]
+    out: Path,
+    lead: str,
+    failures: Sequence[Mapping[str, str]],
+    played: Tournament,
+    curves: Sequence[Curve],
+    measured: Mapping[str, Cost],
+    table: Sequence[Mapping[str, Any]],
 ) -> Path:
-    """Write `out`/report.html and the pictures as PNG files."""
+    """Write `out`/report.html and the pictures as PNG files; failures: {"task", "reason"} of files that could not be used."""
     drawn = {
         "scores": heat(table),
         "materials": materials(played),
@@ -52,7 +58,7 @@ def write_page(
     }
     for name, figure in drawn.items():
         plots.png(figure, out / f"{name}.png")
-    failures = [{"task": fit.entrant, "reason": f"curve {fit.curve}: {fit.reason}"} for fit in played.fits if fit.reason]
+    failures = [*failures, *({"task": fit.entrant, "reason": f"curve {fit.curve}: {fit.reason}"} for fit in played.fits if fit.reason)]
     sections = list(_sections(played, table, drawn, typical_curve(curves)))
     return write_sections(out / "report.html", "Tournament of contact laws", lead, sections, failures)
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from calibration.tournament import PERCENTILES, SCORED, Fitted, Score, Standing, Tournament, play, standings
 from calibration.tournament_entrants import Entrant, entrants
+from cases.batch.results import load_case
 from cases.tournament.cost import Cost, costs
 from cases.tradeoff.page import write_table
 from contactlaws.curve import Curve
@@ -34,7 +35,7 @@ def tournament(folder: Path, laws: Sequence[str] | None, out: Path) -> tuple[Pat
     from cases.report.tournament import write_page
 
     field = entrants(laws or None)
-    curves = curves_in(folder)
+    curves, refused = curves_in(folder)
     out.mkdir(parents=True, exist_ok=True)
     began = time.process_time()
     with console.bar("tournament") as progress:
@@ -44,29 +45,41 @@ def tournament(folder: Path, laws: Sequence[str] | None, out: Path) -> tuple[Pat
     write_table([score._asdict() for score in played.scores], out / "tournament")
     write_table(table, out / "standings")
     cpu = time.process_time() - began
-    lead = f"{len(field)} entrants, {len(curves)} curves, {unloadings(played)} unloadings, {cpu:.0f} CPU seconds; {code_version()}."
-    page = write_page(out, lead, played, curves, measured, table)
+    scored = len({fit.curve for fit in played.fits})
+    lead = f"{len(field)} entrants, {scored} curves, {unloadings(played)} unloadings, {cpu:.0f} CPU seconds; {code_version()}."
+    failures = [{"task": problem.name, "reason": str(problem)} for problem in refused]
+    page = write_page(out, lead, failures, played, curves, measured, table)
+    for problem in refused:
+        console.log.print(f"[yellow]warning[/] not a curve: {problem}", markup=True)
     show(table)
     return page, played
 
 
-def curves_in(folder: Path) -> list[Curve]:
-    """All curves in a folder, by name; raises `InputError` if there is none."""
+def curves_in(folder: Path) -> tuple[list[Curve], list[Problem]]:
+    """The curves of a folder of results (those of its last run), or of all .parquet and .csv files in it, and what could not be read.
+
+    Raises `InputError` if there is no curve at all.
+    """
     if not folder.is_dir():
         raise InputError(Problem("FOLDER", str(folder), "is no folder", "give one that holds curves (.parquet or .csv)"))
-    files = sorted(path for path in folder.iterdir() if path.suffix in (".parquet", ".csv") and not path.name.startswith("."))
     found: list[Curve] = []
     refused: list[Problem] = []
-    for path in files:
+    for path in _files(folder):
         try:
             found.append(read_curve(path))
         except InputError as error:
             refused += error.problems
-    if refused:
-        raise InputError(refused)
     if not found:
-        raise InputError(Problem("FOLDER", str(folder), "holds no curve", "compute some with fe2dem run or fe2dem reference"))
-    return found
+        remedy = "compute some with fe2dem run or fe2dem reference"
+        raise InputError([*refused, Problem("FOLDER", str(folder), "holds no curve", remedy)])
+    return found, refused
+
+
+def _files(folder: Path) -> list[Path]:
+    if (folder / "case.json").exists():
+        _, records = load_case(folder)
+        return [folder / item.files["curve"] for item in records if item is not None and item.usable and item.kind == "curves"]
+    return sorted(path for path in folder.iterdir() if path.suffix in (".parquet", ".csv") and not path.name.startswith("."))
 
 
 def unloadings(played: Tournament) -> int:
@@ -81,7 +94,7 @@ def modulus_over_yield_stress(curve: Curve) -> float:
 
 
 def typical_curve(curves: Sequence[Curve]) -> Curve:
-    """The one with E/Y nearest to 100 and Poisson's ratio nearest to 0.3, on a logarithmic scale; any if no material is known."""
+    """Of those with unloadings the one with E/Y nearest to 100 and Poisson's ratio nearest to 0.3; any if no material is known."""
 
     def distance(curve: Curve) -> float:
         stiffness = modulus_over_yield_stress(curve)
@@ -91,7 +104,7 @@ def typical_curve(curves: Sequence[Curve]) -> Curve:
             else abs(math.log(stiffness / TYPICAL)) + abs(curve.material.poissons_ratio - 0.3)
         )
 
-    return min(curves, key=distance)
+    return min((curve for curve in curves if curve.unloadings), key=distance)
 
 
 def typical_laws(played: Tournament, curves: Sequence[Curve]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import pytest
 from calibration.tournament import SCORED
 from cases.command import execute
 from cases.tournament.cost import costs
-from cases.tournament.run import read_scores
+from cases.tournament.run import curves_in, read_scores
 from contactlaws.curve_files import write_curve
 from contactlaws.elastic import Hertz
 from contactlaws.elastoplastic import Thornton
@@ -117,6 +117,14 @@ def test_a_law_that_fails_on_a_curve_is_told_and_the_rest_goes_on(tmp_path: Path
     assert "poissons_ratio" in (out / "report.html").read_text(encoding="utf-8")
     scores, _ = read_scores(out)
     assert {score.entrant for score in scores} == {"Thornton"}
+
+
+def test_files_that_are_no_curves_are_told_and_the_rest_goes_on(tmp_path: Path):
+    write_curve(thorntons(100.0), tmp_path / "a.parquet")
+    (tmp_path / "b.csv").write_text("colour,taste\nred,sweet\n")
+    curves, refused = curves_in(tmp_path)
+    assert len(curves) == 1
+    assert any("b.csv" in problem.name for problem in refused)
 
 
 def test_other_folders_are_no_tournament(tmp_path: Path):
