@@ -29,6 +29,7 @@ from contactlaws.material import Material
 from contactlaws.rivals.luding import Luding
 from contactlaws.rivals.mdr import mdr_of
 from contactlaws.rivals.walton_braun import WaltonBraun
+from contactlaws.whole_range import whole_range
 from tests.contactlaws.samples import curve_of
 
 MATERIAL = Material(100.0, 0.3, 1.0)
@@ -109,7 +110,7 @@ def test_unknown_laws_are_named():
 def test_any_registered_law_with_a_recipe_enters():
     fittable = {entrant.law for entrant in entrants()}
     assert {"hertz", "thornton", "kogut_etsion", "etsion", "jackson_green", "walton_braun", "luding", "eepa"} <= fittable
-    assert {"becker_kamlah", "mdr", "edmans_sinka", "tabulated"} <= fittable
+    assert {"becker_kamlah", "mdr", "edmans_sinka", "tabulated", "whole_range"} <= fittable
     assert [entrant.how for entrant in entrants(["hertz_finite_size"])] == ["as its recipe says, to the whole curve"]
 
 
@@ -131,6 +132,11 @@ def test_mdr_follows_from_the_material_and_its_strength_is_found_again():
     found = fit(curve, "mdr", fixed={"yield_stress": 1.2}).law
     assert found.yield_stress == 1.2
     assert fit(curve, "mdr", free=("yield_stress",)).law.yield_stress == pytest.approx(1.0, rel=1e-6)
+
+
+def test_the_whole_range_law_follows_from_the_material():
+    law = whole_range(MATERIAL, 1.0)
+    assert fit(curve_of(law, 0.4, DEPTHS, MATERIAL), "whole_range").law == law
 
 
 def test_work_of_a_loading_is_its_integral(thorntons: Curve):
