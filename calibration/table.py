@@ -8,6 +8,7 @@ import csv
 import io
 import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,7 +45,7 @@ class FitTable:
 
     def __post_init__(self) -> None:
         keys = [(row.fitted.name, row.fitted.material, row.fitted.law.radius, tuple(row.fitted.curve_hashes)) for row in self.rows]
-        twins = [key for number, key in enumerate(keys) if key in keys[:number]]
+        twins = [key for key, times in Counter(keys).items() if times > 1]
         require(Problem("law, material and curves", key, "stand in the table twice", "keep one row for each") for key in twins)
 
 

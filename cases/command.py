@@ -6,6 +6,7 @@ Every command checks all its input first and reports all problems at once. Modul
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -78,19 +79,27 @@ def run(
     out: Annotated[Path | None, typer.Option("--out", help="Folder for results; default: results/CASE.")] = None,
     jobs: Jobs = None,
     scheduler: Annotated[Text, _option("ADDRESS of a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers do it.")] = None,
+    tolerance: Annotated[Text, _option("Relative error of every finite-element curve, in place of what the file says.")] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Begin a study of very many tasks without asking.")] = False,
     take_over: TakeOver = False,
 ) -> None:
     """Compute everything that a case file or a study declares; results that are there already are reused."""
-    from cases.report import page
     from cases.study import run_study
 
     folder = out or Path("results") / case.stem
     if jobs is not None and scheduler is not None:
         _refuse("--jobs", jobs, "is for processes of this machine", "leave out one of --jobs and --scheduler")
-    records = run_study(case, folder, jobs=jobs, scheduler=scheduler, accept=_yes if yes else _ask, take_over=take_over)
+    accept = _yes if yes else _ask
+    records = run_study(case, folder, jobs=jobs, scheduler=scheduler, accept=accept, take_over=take_over, tolerance=tolerance)
+    raise typer.Exit(_reported(folder, records))
+
+
+def _reported(folder: Path, records: Mapping[str, Any]) -> int:
+    """Write the report of a run; returns the run's exit code."""
+    from cases.report import page  # not before: pictures take long to load
+
     print(f"report: {page.write(folder.resolve())}")
-    raise typer.Exit(0 if all(record.state == "done" for record in records.values()) else FAILED)
+    return 0 if all(record.state == "done" for record in records.values()) else FAILED
 
 
 def _refuse(name: str, value: Any, bound: str, remedy: str) -> None:
@@ -148,6 +157,8 @@ def fit(
         list[Path] | None, typer.Argument(metavar="CURVE ...", help="Computed or measured curves (.csv, .parquet).", show_default=False)
     ] = None,
     law: Annotated[Text, _option("A law's name, as listed by `fe2dem laws`.")] = None,
+    tolerance: Annotated[Text, _option("In place of --law: takes the cheapest law that differs from the curves by no more.")] = None,
+    quantity: Annotated[str, _option("What --tolerance is about: force, contact_radius, energy ...; force without it.")] = "force",
     out: Annotated[Path | None, _option("LAW.json: where to save the fitted law.")] = None,
     radius: Annotated[Text, _option("Of the body, where a measured curve's file does not say it.")] = None,
     youngs_modulus: Annotated[Text, _option("Where a measured curve's file does not say it.")] = None,
@@ -158,7 +169,10 @@ def fit(
     from cases import single
 
     sample = {"radius": radius, "youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "yield_stress": yield_stress}
-    single.fit(curves or [], law, out, _given(sample))
+    if tolerance is None:
+        single.fit(curves or [], law, out, _given(sample))
+    else:
+        single.fit_within(curves or [], law, tolerance, quantity, out, _given(sample))
 
 
 def impact(
@@ -184,15 +198,13 @@ def simulate(
     """Run one scene on a fitted law; run again, it goes on from what is there."""
     from cases.batch.plan import scene_plan
     from cases.casefile.reading import read_scene
-    from cases.report import page
     from cases.study import run_tasks
 
     checked, law_file = read_scene(scene, law)
     folder = out or Path("results") / scene.stem
     tasks = scene_plan(scene.stem, checked, law_file)
     records = run_tasks(scene.stem, scene.resolve(), tasks, folder, jobs, take_over=take_over)
-    print(f"report: {page.write(folder.resolve())}")
-    raise typer.Exit(0 if all(record.state == "done" for record in records.values()) else FAILED)
+    raise typer.Exit(_reported(folder, records))
 
 
 def status(

@@ -13,6 +13,8 @@ from cases.batch.plan import plan
 from cases.batch.store import Record
 from cases.batch.task import Task
 from cases.casefile.reading import ask_first, read_case
+from cases.casefile.schema import Case, ToleranceOption
+from cases.casefile.validation import validated
 from cases.progress import Progress
 from contactlaws.version import code_version
 
@@ -25,20 +27,28 @@ def run_study(
     scheduler: str | None = None,
     accept: Callable[[int], bool] = ask_first,
     take_over: bool = False,
+    tolerance: float | str | None = None,
 ) -> Mapping[str, Record]:
     """Compute everything that a case file or a study declares; what is in the folder `out` already is reused.
 
     out: without it results/STUDY. jobs: processes, without it one for each core. scheduler: address of a Dask cluster in place of them.
     accept: asked with the number of tasks if they are more than 10 000; without it they are refused. take_over: use the folder even if it
-    holds the results of another study. Returns the record of each task by its name, such as "curves.press-E10-nu0.3"; failures are among
+    holds the results of another study. tolerance: of every finite-element curve, in place of what the file says. Returns the record of each task by its name, such as "curves.press-E10-nu0.3"; failures are among
     them. Tables of curves, unloadings and laws stand in the folder afterwards.
 
     Raises `InputError` with all that is wrong before anything is computed.
     """
     source = Path(study).resolve()
-    case = read_case(source, accept)
+    case = read_case(source, accept) if tolerance is None else with_tolerance(read_case(source, accept), tolerance)
     tasks = plan(case, source.parent)
     return run_tasks(case.title, source, tasks, Path(out or Path("results") / source.stem), jobs, scheduler, take_over)
+
+
+def with_tolerance(case: Case, tolerance: float | str) -> Case:
+    """The same case with another tolerance of all its curves; raises `InputError` for one that is not on offer."""
+    value = validated(ToleranceOption, {"tolerance": tolerance}).tolerance
+    curves = {name: table.model_copy(update={"tolerance": value}) for name, table in case.curves.items()}
+    return case.model_copy(update={"curves": curves})
 
 
 def run_tasks(

@@ -41,9 +41,11 @@ COLUMNS = (
 
 
 def write(folder: Path, tasks: Sequence[Task], records: Mapping[str, Record]) -> list[Path]:
-    """Write curves.csv, unloadings.csv and unloadings.parquet from the results of this run's curves; nothing if it has none."""
+    """Write curves.csv, unloadings.csv and unloadings.parquet from the results of this run's curves; without any, older ones go."""
     curves = [(task, records[task.id]) for task in tasks if task.kind == "curves"]
     if not curves:
+        for name in (CURVES, f"{UNLOADINGS}.csv", f"{UNLOADINGS}.parquet"):
+            (folder / name).unlink(missing_ok=True)
         return []
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")

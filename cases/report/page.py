@@ -16,6 +16,8 @@ from cases.batch.store import Record
 from cases.report import parts
 from contactlaws.files import write_text
 
+#: more are told by their reasons
+FEW_FAILURES = 20
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
 
@@ -40,8 +42,14 @@ def _lead(case: Mapping[str, Any], records: list[Record]) -> str:
 
 
 def _failures(case: Mapping[str, Any], records: list[Record | None]) -> Iterator[dict[str, str]]:
+    """One line each, or one for all that have the same reason where they are many."""
+    reasons: dict[str, list[str]] = {}
     for item, record in zip(case["tasks"], records, strict=True):
-        if record is None:
-            yield {"task": item["task"], "reason": "is not there yet"}
-        elif record.state != "done":
-            yield {"task": record.task, "reason": f"{record.state}: {record.reason}"}
+        if record is None or record.state != "done":
+            reasons.setdefault("is not there yet" if record is None else f"{record.state}: {record.reason}", []).append(item["task"])
+    few = sum(map(len, reasons.values())) <= FEW_FAILURES
+    for reason, tasks in reasons.items():
+        if few:
+            yield from ({"task": task, "reason": reason} for task in tasks)
+        else:
+            yield {"task": tasks[0] + (f" and {len(tasks) - 1} more" if len(tasks) > 1 else ""), "reason": reason}

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from calibration import table as fit_tables
 from cases.batch.store import Record
 from cases.console import number, percent
-from cases.report import history, plots
+from cases.report import history, overview, plots
 from contactlaws import fitted
 from contactlaws.curve import Curve
 from contactlaws.curve_files import read_curve
@@ -27,14 +27,24 @@ There = Mapping[str, Record]
 def sections(folder: Path, case: Mapping[str, Any], there: There) -> Iterator[dict[str, Any]]:
     """Title and blocks of each section, in the order of the pipeline."""
     listed = {item["task"]: item for item in case["tasks"] if item["task"] in there}
-    curves = {task: read_curve(folder / record.files["curve"]) for task, record in there.items() if record.kind == "curves"}
-    laws = {task: fitted.load(folder / record.files["law"]) for task, record in there.items() if record.kind == "fits"}
-    yield {"title": "Reference curves and laws", "blocks": list(_curves(listed, there, curves, laws))}
+    large = {kind for kind in overview.FEW if overview.is_large(kind, there)}
+    curves: dict[str, Curve] = {}
+    if "curves" not in large:
+        curves = {task: read_curve(folder / record.files["curve"]) for task, record in there.items() if record.kind == "curves"}
+    laws: dict[str, FittedLaw] = {}
+    if "fits" not in large:
+        laws = {task: fitted.load(folder / record.files["law"]) for task, record in there.items() if record.kind == "fits"}
+    own = _curves(listed, there, curves, laws) if "curves" not in large else overview.curves(case, there)
+    yield {"title": "Reference curves and laws", "blocks": list(own)}
     yield {"title": "Inside the body", "blocks": list(_fields(folder, there, curves))}
-    yield {"title": "Fitted laws and their errors", "blocks": list(_laws(folder, there, laws))}
-    yield {"title": "Impact", "blocks": list(_impacts(listed, there, laws))}
-    yield {"title": "Packings under compression", "blocks": list(_scenes(folder, listed, there, laws))}
-    yield {"title": "Where each number is from, and what it cost", "blocks": list(_costs(case, there))}
+    own = _laws(folder, there, laws) if "fits" not in large else overview.laws(folder, there)
+    yield {"title": "Fitted laws and their errors", "blocks": list(own)}
+    own = _impacts(listed, there, laws) if "impacts" not in large else overview.many("impacts", there)
+    yield {"title": "Impact", "blocks": list(own)}
+    own = _scenes(folder, listed, there, laws) if "scenes" not in large else overview.many("scenes", there)
+    yield {"title": "Packings under compression", "blocks": list(own)}
+    own = _costs(case, there) if not large else overview.costs(there)
+    yield {"title": "Where each number is from, and what it cost", "blocks": list(own)}
 
 
 def text(words: str, note: bool = False) -> Block:
@@ -116,11 +126,10 @@ def _fields(folder: Path, there: There, curves: Mapping[str, Curve]) -> Iterator
 
 
 def _laws(folder: Path, there: There, laws: Mapping[str, FittedLaw]) -> Iterator[Block]:
+    rows = [row for task in laws for row in fit_tables.read(folder / there[task].files["row"]).rows]
+    overview.write_tables(folder, rows)
     if not laws:
         return
-    rows = [row for task in laws for row in fit_tables.read(folder / there[task].files["row"]).rows]
-    fit_tables.write(rows, folder / "table.csv")
-    fit_tables.write(rows, folder / "table.parquet")
     measures = list(rows[0].residuals._fields)
     header = ("fit", "law", "curves", *(name.replace("_", " ") for name in measures), "condition number", "good up to δ/R")
     body = []
