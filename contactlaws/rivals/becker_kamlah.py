@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.rivals.bounds import MATERIAL, at_least
 from contactlaws.rivals.unloading import MARGIN, POINTS, SAMPLES, WEIGHTS, hertz, part_left
 
 #: largest pressure over yield stress at first yield
@@ -181,5 +182,6 @@ register(
         becker_kamlah_stiffness_bound,
         ("largest_overlap",),
         "Becker & Kamlah 2021, sphere limit: Eqs. 25-31 and 43-49, with d - d_p in Eq. 42 and R_e in Eq. 38",
+        at_least({**MATERIAL, "pressure_ratio": FIRST, "radius_ratio": 1.0 + 1e-9, "exponent": 1.0}),
     )
 )

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.rivals.bounds import at_least
 
 
 class Eepa(NamedTuple):
@@ -85,5 +86,6 @@ register(
         eepa_stiffness_bound,
         ("largest_overlap",),
         "Thakur et al. 2014, Granular Matter 16, 383: EEPA, without adhesion",
+        at_least({"force_at_radius": 0.0, "stiffness_ratio": 1.0, "exponent": 1.0}),
     )
 )

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.rivals.bounds import MATERIAL, at_least
 from contactlaws.rivals.kogut_etsion import (
     CHANGE,
     kogut_etsion_critical,
@@ -116,5 +117,6 @@ register(
         etsion_stiffness_bound,
         ("largest_overlap",),
         "Etsion, Kligerman & Kadin 2005, Int. J. Solids Struct. 42, 3716: unloading; loading of Kogut & Etsion 2002",
+        at_least(MATERIAL),
     )
 )

@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.rivals.bounds import MATERIAL, at_least
 from contactlaws.rivals.unloading import MARGIN, POINTS, SAMPLES, WEIGHTS, hertz, hertzian_recovery, part_left
 
 ELASTIC, LARGEST_RADIUS = 1.9, 0.41
@@ -154,5 +155,6 @@ register(
         jackson_green_stiffness_bound,
         ("largest_overlap",),
         "Jackson & Green 2005, J. Tribol. 127, 343: force and area; Hertzian unloading from the same force and radius",
+        at_least(MATERIAL),
     )
 )

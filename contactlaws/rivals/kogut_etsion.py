@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.rivals.bounds import MATERIAL, at_least
 from contactlaws.rivals.unloading import hertz, hertzian_recovery, part_left
 
 #: factor and power of force and area in the first regime, the overlap where it ends, factor and power in the second
@@ -166,5 +167,6 @@ register(
         kogut_etsion_stiffness_bound,
         ("largest_overlap",),
         "Kogut & Etsion 2002, J. Appl. Mech. 69, 657: force and area; Hertzian unloading from the same force and radius",
+        at_least(MATERIAL),
     )
 )

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.rivals.bounds import at_least
 from contactlaws.rivals.unloading import part_left
 
 
@@ -85,5 +86,6 @@ register(
         luding_stiffness_bound,
         ("largest_overlap",),
         "Luding 2008, Granular Matter 10, 235: linear hysteretic law, without cohesion",
+        at_least({"loading_stiffness": 0.0, "stiffness_ratio": 1.0, "saturation_overlap": 0.0}),
     )
 )

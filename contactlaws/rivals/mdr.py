@@ -59,7 +59,7 @@ def mdr_of(radius: float, youngs_modulus: float, poissons_ratio: float, yield_st
 
     >>> law = mdr_of(1.0, 100.0, 0.3, 1.0)
     >>> round(law.yield_overlap, 5)
-    0.00345
+    0.00341
     """
 
     def beyond(depth: float) -> float:

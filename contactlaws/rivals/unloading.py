@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from contactlaws.compiled import kernel
@@ -28,4 +30,4 @@ def hertzian_recovery(reduced_modulus, force, radius, largest):  # type: ignore[
 @kernel
 def hertz(reduced_modulus, radius, overlap):  # type: ignore[no-untyped-def]
     """Hertz's force in N."""
-    return 4.0 / 3.0 * reduced_modulus * np.sqrt(radius * overlap) * overlap
+    return 4.0 / 3.0 * reduced_modulus * math.sqrt(radius * overlap) * overlap

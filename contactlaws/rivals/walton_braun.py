@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.rivals.bounds import at_least
 from contactlaws.rivals.unloading import part_left
 
 
@@ -85,5 +86,6 @@ register(
         walton_braun_stiffness_bound,
         ("largest_overlap",),
         "Walton & Braun 1986, J. Rheol. 30, 949: unloading stiffness constant or growing with the largest force",
+        at_least({"loading_stiffness": 0.0, "stiffness_ratio": 1.0}),
     )
 )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from contactlaws.dispatch import law_of
 from contactlaws.path import scan, trace
 from contactlaws.rivals import FLAWS
 from contactlaws.rivals.becker_kamlah import (
@@ -264,3 +265,17 @@ def test_a_body_that_mdr_never_yields():
     law = mdr_of(1.0, 2.0, 0.3, 10.0)
     assert law == Mdr(1.0, 2.0, 0.3, 10.0, 1.0, 1.0, 0.0)
     assert scan(law, np.array([0.5])).dissipated_energy[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("law", "name"),
+    [
+        (WaltonBraun(1.0, 10.0, 0.9, 0.0), "stiffness_ratio"),
+        (Luding(1.0, 10.0, 2.0, 0.0), "saturation_overlap"),
+        (Eepa(1.0, 10.0, 2.0, 0.5), "exponent"),
+        (BeckerKamlah(1.0, 10.0, 1.0, 1.5, 2.0, 1.8), "pressure_ratio"),
+        (JacksonGreen(1.0, 10.0, 0.3, -1.0), "yield_stress"),
+    ],
+)
+def test_constants_without_meaning_are_refused(law: Any, name: str):
+    assert [problem.name for problem in law_of(law).problems(law)] == [name]
