@@ -119,7 +119,8 @@ def fitted(entrant: Entrant, curve: Curve, companion: Curve | None) -> Fitted:
         taken = training(curve)
         taken = taken if entrant.deepest is None else up_to(taken, entrant.deepest * curve.radius)
         given = [taken, companion] if entrant.law == "edmans_sinka" and companion is not None else [taken]
-        found = fit(given, entrant.law, fixed=entrant.fixed, weights=entrant.weights, free=entrant.free)
+        with np.errstate(invalid="ignore"):  # a constant that a curve says nothing about has no error
+            found = fit(given, entrant.law, fixed=entrant.fixed, weights=entrant.weights, free=entrant.free)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         return Fitted(entrant.name, curve.content_hash, None, None, str(error))
     return Fitted(entrant.name, curve.content_hash, found.law, constants_of(found.law, len(found.free)), None)

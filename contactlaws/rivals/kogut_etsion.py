@@ -34,7 +34,7 @@ class KogutEtsion(NamedTuple):
     >>> law = KogutEtsion(1.0, 100.0, 0.3, 1.0)
     >>> limit = kogut_etsion_critical(law)
     >>> round(kogut_etsion_loading(law, 50.0 * limit) / kogut_etsion_loading(law, limit), 1)
-    195.8
+    195.9
     """
 
     radius: float  # m
