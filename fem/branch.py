@@ -18,7 +18,7 @@ from scipy.interpolate import PchipInterpolator
 from fem.assembly import Discretisation
 from fem.march import Steps, between, unload
 from fem.mesh import FloatArray
-from fem.newton import Equilibrium, State
+from fem.newton import Equilibrium, NoEquilibrium, State
 
 #: rows of a branch: overlap above the separation, over the recovered one; even steps, and two more where the contact is small
 SHARES = np.concatenate([np.linspace(1.0, 0.04, 25), [0.02, 0.01, 0.0]])
@@ -125,6 +125,7 @@ class Unloader:
     def __init__(self, solver: Equilibrium, steps: Steps, unload_from: Sequence[float]):
         self.solver, self.steps, self.asked = solver, steps, tuple(unload_from)
         self.computed: list[Branch] = []
+        self.failed: dict[float, str] = {}  # overlaps asked for whose unloading the solver gave up, and why
         self.bracketed = 0  # of the overlaps asked for
         self.before: State | None = None  # the last landing but one
         self.passed, self.newest = 0, -9  # numbers of landings: the last one, and the last one in `computed`
@@ -135,17 +136,23 @@ class Unloader:
         waiting = [a for a in self.asked[self.bracketed :] if a < above.overlap]
         self.bracketed += len(waiting)
         self.passed += 1
-        if waiting and below.overlap <= 0.0:
-            # before the first landing there is no ripple, and nothing to interpolate with
-            self.computed += [from_states(self.solver.body, self.states(states, place, overlap)) for overlap in waiting]
-        elif waiting:
-            deep = waiting[-1] > DEEP
-            if deep and self.newest < self.passed - 3 and self.before is not None:
-                self._unload(self.before, self.passed - 2)
-            self._unload(below, self.passed - 1)
-            if deep or self._next_asked() > below.overlap * WIDEST_GAP:
-                self._unload(above, self.passed)
+        try:
+            if waiting and below.overlap <= 0.0:
+                # before the first landing there is no ripple, and nothing to interpolate with
+                self.computed += [from_states(self.solver.body, self.states(states, place, overlap)) for overlap in waiting]
+            elif waiting:
+                self._around(below, above, waiting[-1] > DEEP)
+        except NoEquilibrium as reason:  # the loading goes on without it
+            self.failed |= dict.fromkeys(waiting, str(reason))
         self.before = below if below.overlap > 0.0 else None
+
+    def _around(self, below: State, above: State, deep: bool) -> None:
+        """Unload from the landing before an overlap asked for, and where need be from the one after it and the one before that."""
+        if deep and self.newest < self.passed - 3 and self.before is not None:
+            self._unload(self.before, self.passed - 2)
+        self._unload(below, self.passed - 1)
+        if deep or self._next_asked() > below.overlap * WIDEST_GAP:
+            self._unload(above, self.passed)
 
     def _next_asked(self) -> float:
         return self.asked[self.bracketed] if self.bracketed < len(self.asked) else math.inf
@@ -159,7 +166,8 @@ class Unloader:
         """One for each overlap asked for, as far as there are landings around it."""
         if not self.computed:
             return []
-        return [carried(self.computed, a) for a in self.asked[: self.bracketed] if a <= self.computed[-1].start]
+        found = (a for a in self.asked[: self.bracketed] if a not in self.failed and a <= self.computed[-1].start)
+        return [carried(self.computed, a) for a in found]
 
     def states(self, states: Sequence[State], place: int, overlap: float) -> list[State]:
         """Those of the unloading from exactly `overlap`, between two landings (first and last of `states`; `place` lands at the end)."""

@@ -95,7 +95,7 @@ def compose(
     """The curve of `fine`, extrapolated with `coarse`, up to the overlap `largest` or where the runs stopped."""
     scale = Scales(radius, material.stress_unit)
     last = min(largest, *(w.landing_overlap[-1] if w.stopped else largest for w in (fine, coarse)))
-    branches = [(f, c) for f, c in zip(fine.branches, coarse.branches, strict=False) if f.start <= last]
+    branches = [(f, c) for f in fine.branches for c in coarse.branches if f.start == c.start <= last]
     overlap = _row_overlaps(fine._replace(branches=tuple(f for f, _ in branches)), first_row(fine, coarse, divisions), last)
     own = readout.loading(fine, overlap, rows_with(fine, divisions // 2 + 1))
     rows = readout.extrapolated(own, readout.loading(coarse, overlap, rows_with(coarse, divisions // 4 + 1)))

@@ -125,7 +125,8 @@ def walk(
 ) -> Walk:
     """Press the body to `max_overlap` (and two landings beyond), unloading on the way from each of `unload_from` (ascending).
 
-    When Newton's method fails for good the walk ends there: `stopped` says why, and all up to there is kept.
+    When Newton's method fails for good the walk ends there: `stopped` says why, and all up to there is kept. An unloading that fails is
+    left out, which `stopped` says too, and the loading goes on.
     """
     solver = Equilibrium(body, moduli)
     record, last, beyond, stopped = _Recorder(body), solver.start(), 0, None
@@ -148,6 +149,9 @@ def walk(
             if beyond >= LANDINGS_BEYOND:
                 break
     except NoEquilibrium as reason:
-        if last.overlap < max_overlap or len(unloader.branches()) < len(unload_from):
+        if last.overlap < max_overlap or len(unloader.branches()) + len(unloader.failed) < len(unload_from):
             stopped = f"no equilibrium found beyond an overlap of {last.overlap:.4g}: {reason}"
+    faults = [stopped] if stopped else []
+    faults += [f"the unloading from {overlap:.4g} was given up: {reason}" for overlap, reason in unloader.failed.items()]
+    stopped = "; ".join(faults) or None
     return record.walk(unloader.branches(), stopped, solver.statistics)

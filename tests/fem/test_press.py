@@ -16,9 +16,9 @@ from contactlaws.material import Material
 from fem.assembly import discretise
 from fem.fields import contact_pressure
 from fem.first_yield import small_run
-from fem.march import Steps, landings
+from fem.march import Steps, landings, unload
 from fem.mesh import spheroid
-from fem.newton import RESIDUAL, Equilibrium
+from fem.newton import RESIDUAL, Equilibrium, NoEquilibrium
 from fem.press import RESOLUTIONS, moduli_of, press, resolution_for
 
 compiled_only = pytest.mark.compiled_only("a run is some hundred assemblies of the mesh; interpreted, minutes")
@@ -306,3 +306,33 @@ def test_resolutions_get_finer_with_the_tolerance():
     divisions = [resolution_for(tolerance).divisions for tolerance in (0.05, *tolerances)]
     assert divisions == sorted(divisions)
     assert all(n % 2 == 0 for n in divisions)
+
+
+# what stands in the way of a run
+
+
+@compiled_only
+def test_a_nearly_incompressible_body_is_pressed():
+    """Its round-off is that of the bulk modulus, 1700 times Young's; Hertz within .6 % (finite size at this overlap: .3 %)."""
+    curve = press(Material(1000.0, 0.4999), max_overlap=1e-4)
+    assert curve.stopped is None
+    assert over_hertz(curve) == pytest.approx(1.0, abs=0.006)
+
+
+@compiled_only
+def test_an_unloading_that_fails_does_not_end_the_loading(monkeypatch: pytest.MonkeyPatch):
+    """The solver gives up wherever an unloading starts beyond .01 R: the rest of the curve is as if nobody had asked for it."""
+    plain = press(Material(50.0, 0.3, 1.0), unload_from=(0.005,), max_overlap=0.02)
+
+    def stubborn(solver, start, steps, smallest=0.004):  # type: ignore[no-untyped-def]
+        if start.overlap > 0.01:
+            raise NoEquilibrium("for a test")
+        return unload(solver, start, steps, smallest)
+
+    monkeypatch.setattr("fem.branch.unload", stubborn)
+    curve = press(Material(50.0, 0.3, 1.0), unload_from=(0.005, 0.015), max_overlap=0.02)
+    assert len(curve.unloadings) == 1
+    assert curve.stopped is not None
+    assert "0.015" in curve.stopped
+    assert curve.overlap[curve.rows(0)][-1] == 0.02
+    assert curve.force[curve.rows(0)][-1] == pytest.approx(plain.force[plain.rows(0)][-1], rel=1e-9)  # another row changes round-off only
