@@ -34,7 +34,7 @@ Key = tuple[float | None, float]
 #: E/Y and Poisson's ratios of the atlas: those of Edmans & Sinka 2020, closer where first yield passes through the overlaps of interest,
 #: and beyond them to nearly incompressible and to very weak bodies
 MODULUS_RATIOS: tuple[float, ...] = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
-MODULUS_RATIOS += (2000.0, 4500.0, 10000.0)
+MODULUS_RATIOS += (3000.0, 10000.0)
 POISSONS_RATIOS = (0.0, 0.15, 0.3, 0.45, 0.49)
 #: overlaps over the radius to unload from, theirs too; below the smallest, small strains leave only one parameter
 STARTS = (0.01, 0.02, 0.03, 0.04, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)

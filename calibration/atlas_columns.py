@@ -26,6 +26,8 @@ POWERS = 3  # numbers of the parabola p(s)
 FORCE, AREA = 0, 1  # columns of the loading
 RECOVERED, SHAPE, EDGE = 0, slice(1, 1 + POWERS), slice(1 + POWERS, 1 + POWERS + SHARES.size)  # columns of an unloading
 LOADING_COLUMNS, UNLOADING_COLUMNS = 2, 1 + POWERS + SHARES.size
+#: ln of the recovered share of the overlap below which a body has yielded, whether its first yield was found or not
+PLASTIC = -0.05
 #: where the elastic body's loading is read to find the shape of its unloading
 ELASTIC_SHARES = np.linspace(0.02, 0.99, 60)
 
@@ -103,11 +105,13 @@ def columns(curve: Curve, elastic: tuple[FloatArray, FloatArray], depths: FloatA
     loading = np.array([CubicSpline(np.log(x), np.log(y))(depth) for y in (force / own, area / x)]).T - elastic[0]
     unloading = np.array([_unloading(curve, branch) for branch in branches_from(curve, starts)])
     unloading[:, 1:] -= elastic[1]
-    yielded = np.inf if curve.yield_overlap is None else curve.yield_overlap / curve.radius
-    loading[depths <= yielded] = 0.0
-    unloading[starts <= yielded] = 0.0
+    elastic_to = np.inf if curve.yield_overlap is None else curve.yield_overlap / curve.radius
+    if curve.yield_overlap is None and unloading[-1, RECOVERED] < PLASTIC:
+        elastic_to = 0.0  # the solver did not find first yield, but the body has clearly yielded
+    loading[depths <= elastic_to] = 0.0
+    unloading[starts <= elastic_to] = 0.0
     errors = np.array([curve.errors.get(name, np.nan) for name in QUANTITIES])
-    return Columns(float(yielded) if np.isfinite(yielded) else np.nan, loading, unloading, errors)
+    return Columns(np.nan if curve.yield_overlap is None else elastic_to, loading, unloading, errors)
 
 
 def starts_of(curve: Curve) -> FloatArray:

@@ -21,7 +21,9 @@ FloatArray = npt.NDArray[np.float64]
 #: 95 % of a chi-square with one degree of freedom
 LIMIT = 3.841458820694124
 #: the strongest body tried, E/Y over the atlas's smallest, where the curve ends before that one yields: all of them are elastic
-STRONGEST = 0.2
+STRONGEST = 1e-6
+#: a curve that would lower its deviance by this for E/Y larger (or smaller) by a factor of e is held back by the atlas's end
+PULL = 0.5
 #: E/Y tried for a start
 STARTS = 25
 #: most steps outwards, and steps that narrow an end of an interval down
@@ -123,7 +125,7 @@ class Found(NamedTuple):
     vector: FloatArray
     deviance: float
     jacobian: FloatArray
-    at_bound: bool  # E/Y lies at the end of what the atlas holds
+    at_bound: bool  # E/Y lies at the end of what the atlas holds, and the curve would rather have it go on
 
 
 def start(task: Task) -> Setting:
@@ -132,7 +134,7 @@ def start(task: Task) -> Setting:
     nu = 0.5 * (task.poissons_ratio[0] + task.poissons_ratio[1])
     zero = float(np.clip(0.0, low[2 + task.others.index("zero")], None)) if task.zero_unknown else 0.0
     force, tried = task.measured.force, []
-    for ratio in np.exp(np.linspace(low[1], high[1], STARTS)):
+    for ratio in np.exp(np.linspace(max(low[1], math.log(0.5)), high[1], STARTS)):
         one = Setting(1.0, 1.0 / ratio, nu, zero * task.measured.radius, 0.0)
         shape = reading(task.atlas, task.measured, one).force
         modulus = float(shape @ force / (shape @ shape))
@@ -158,8 +160,9 @@ def best(task: Task, begin: Setting, first: str = "youngs_modulus", held: tuple[
     limits = (low[free], high[free])
     result = least_squares(difference, inside, bounds=limits, x_scale="jac", xtol=1e-8, ftol=1e-8, gtol=1e-8, max_nfev=40)
     vector[free] = result.x
-    at_bound = bool(vector[1] - low[1] < 1e-3 or high[1] - vector[1] < 1e-3)
-    return Found(vector, 2.0 * float(result.cost), np.asarray(result.jac), at_bound)
+    gradient = 2.0 * float(result.grad[np.count_nonzero(free[:1])])  # of the deviance, against ln E/Y
+    at_bound = (vector[1] - low[1] < 1e-3 and gradient > PULL) or (high[1] - vector[1] < 1e-3 and gradient < -PULL)
+    return Found(vector, 2.0 * float(result.cost), np.asarray(result.jac), bool(at_bound))
 
 
 def noise_of(task: Task, setting: Setting) -> float:
