@@ -193,7 +193,7 @@ def show(rows: Sequence[Mapping[str, Any]]) -> None:
         sheet = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
         sheet.add_column(f"{word} error in %", no_wrap=True, max_width=24)
         for heading in ("force", "radius", "stiff.", "shape", "resid.", "energy", "e", *(("ns",) if percentile == 50 else ())):
-            sheet.add_column(heading, justify="right", no_wrap=True, min_width=len(heading))
+            sheet.add_column(heading, justify="right", no_wrap=True, min_width=max(4, len(heading)))
         for row in rows:
             values = [row[f"all_{name}_{percentile}"] for name in SCORED]
             cost = ("–" if row["loading_ns"] is None else f"{row['loading_ns']:.0f}",) if percentile == 50 else ()
