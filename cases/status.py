@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
+from rich.markup import escape
+
 from cases.batch import pace
 from cases.batch.results import Listing
-from cases.console import number, one_line, out, sheet
+from cases.console import one_line, out, sheet
 from cases.progress import FEW, reasons
 
 STATES = ("done", "stopped", "failed", "not there yet")
@@ -33,12 +35,13 @@ def show_status(found: Listing, folder: Path, everything: bool = False) -> None:
 
 
 def _each(found: Listing) -> None:
-    table = sheet("task", "state", "CPU s", "key", "reason")
+    """One line each, never broken, so that it can be searched: names of grids are long, and reasons are longer."""
+    out.print(f"{'state':13} {'CPU s':>8}  {'key':16}  task")
     for item, record in zip(found.case["tasks"], found.records, strict=True):
-        state = "not there yet" if record is None else record.state
-        cost = None if record is None else round(record.cpu_seconds, 1)
-        table.add_row(item["task"], state, number(cost), item["key"], "" if record is None else one_line(record))
-    out.print(table)
+        state = STATES[-1] if record is None else record.state
+        cost = "" if record is None else f"{record.cpu_seconds:.1f}"
+        reason = f": {one_line(record)}" if record is not None and record.reason else ""
+        out.print(f"{state:13} {cost:>8}  {item['key']:16}  {escape(item['task'])}{reason}")
 
 
 def _counts(found: Listing) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from typing import Any
 
 from contactlaws.errors import InputError, Problem
@@ -38,7 +39,21 @@ def si(value: object, unit: str, name: str = "value") -> float:
         return _quantity(value, unit, name)
 
 
+@functools.lru_cache(maxsize=1000)
+def _factor(text: str, unit: str) -> float | None:
+    """What a number before the unit `text` is multiplied by to have it in `unit`; None if that is not all there is to it."""
+    try:
+        one, two = (_registry().Quantity(number, text.replace("%", " percent")).to(unit).magnitude for number in (1.0, 2.0))
+    except Exception:  # no such unit, another dimension: the long way says what is wrong
+        return None
+    return float(one) if two == 2.0 * one else None
+
+
 def _quantity(text: str, unit: str, name: str) -> float:
+    found = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)\s*", text)
+    factor = None if found is None else _factor(found[2], unit)  # a list has many numbers in the same unit
+    if found is not None and factor is not None:
+        return float(f"{float(found[1]) * factor:.15g}")
     registry = _registry()
     try:
         quantity = registry.Quantity(text.replace("%", " percent"))
