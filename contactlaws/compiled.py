@@ -13,7 +13,7 @@ import functools
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from pathlib import Path
 from typing import Any
 
@@ -80,9 +80,12 @@ class _ProjectCache(FunctionCache):
             super().save_overload(sig, data)
 
 
-def kernel(function: Callable[..., Any]) -> Any:
-    """Compile a function of this project: no Python objects, IEEE division, cached on disk under a hash of the sources."""
-    compiled = numba.njit(error_model="numpy")(function)
+def kernel(function: Callable[..., Any], fastmath: Set[str] = frozenset()) -> Any:
+    """Compile a function of this project: no Python objects, IEEE division, cached on disk under a hash of the sources.
+
+    fastmath: what the compiler may do to sums and products that changes them by round-off, in LLVM's names ("contract", "reassoc", ...).
+    """
+    compiled = numba.njit(error_model="numpy", fastmath=set(fastmath))(function)
     if not numba.config.DISABLE_JIT:
         with _cache_folder(function.__module__.split(".")[0]):
             compiled._cache = _ProjectCache(function)

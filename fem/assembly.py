@@ -9,6 +9,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
 from skfem import Basis, ElementQuad1, MeshQuad
 
+from fem.banded import band_shape, pad
 from fem.mesh import FloatArray, IntArray, Section
 
 
@@ -31,8 +32,8 @@ class Discretisation(NamedTuple):
 
     @property
     def band_shape(self) -> tuple[int, int]:
-        """Shape of the band matrix, transposed LAPACK layout: column j of the matrix is row j here."""
-        return self.dofs, 3 * self.half_bandwidth + 1
+        """Shape of the band matrix; see `fem.banded`."""
+        return band_shape(self.dofs, self.half_bandwidth)
 
 
 def _half_bandwidth(cells: IntArray) -> int:
@@ -64,7 +65,7 @@ def discretise(section: Section) -> Discretisation:
     cells = np.ascontiguousarray(mesh.t.T.astype(np.int64))
     dofs = (2 * cells[:, :, None] + np.arange(2)).reshape(-1, 8)
     half = int((dofs.max(axis=1) - dofs.min(axis=1)).max())
-    slots = dofs[:, None, :] * (3 * half + 1) + 2 * half + dofs[:, :, None] - dofs[:, None, :]
+    slots = dofs[:, :, None] * (2 * pad(half) + 1) + pad(half) + dofs[:, None, :] - dofs[:, :, None]
     return Discretisation(
         section,
         cells,

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.newton import ByGap, ByOverlap, Equilibrium, Guess, NoEquilibrium, State
+from fem.release import Release
 
 SMALLEST = 1e-4  # a step is not cut below this share of the first one tried
 
@@ -23,8 +24,8 @@ class Steps(NamedTuple):
 
     first: float = 0.1  # first step after a landing, as a share of the expected interval
     growth: float = 2.0  # of the following ones, at most
-    force_drop: float = 0.12  # share of the largest force that an unloading step takes off
-    tail: float = 0.45  # and of the force that is left, at most
+    force_drop: float = 0.25  # share of the largest force that an unloading step takes off
+    tail: float = 0.6  # and of the force that is left, at most
 
 
 def extrapolated(solver: Equilibrium, before: State, state: State, factor: float) -> Guess:
@@ -115,22 +116,22 @@ def between(solver: Equilibrium, below: State, above: State, overlap: float, fre
     return state
 
 
-def unload(solver: Equilibrium, start: State, steps: Steps, smallest: float = 0.004) -> list[State]:
+def unload(solver: Equilibrium, start: State, steps: Steps, smallest: float = 0.006) -> list[State]:
     """From `start` (included) back to separation: the last state has no force and just touches; raises `NoEquilibrium`.
 
     Steps in overlap, each meant to take off the same share of the force, until less than `smallest` of it is left; then one solve without
     the flat gives the free shape, and its rigid position the separation.
     """
     path = [start]
-    stiffness = solver.stiffness(start)
-    step = 0.5 * steps.force_drop * start.force / stiffness
+    release = Release(solver, start)
+    stiffness = release.stiffness(start)
+    step = steps.force_drop * start.force / stiffness
     while path[-1].force > smallest * start.force:
-        state = path[-1]
-        guess = None
+        state, guess = path[-1], None
         if len(path) > 2:
             guess = extrapolated(solver, path[-2], state, -step / (state.overlap - path[-2].overlap))
         try:
-            new = solver.step(state, ByOverlap(state.overlap - step), start.force, guess)
+            new, release = _back(solver, release, state, state.overlap - step, start.force, guess)
         except NoEquilibrium:
             solver.statistics.rejected += 1
             step *= 0.25
@@ -141,5 +142,20 @@ def unload(solver: Equilibrium, start: State, steps: Steps, smallest: float = 0.
         tangent = max((state.force - new.force) / step, 1e-3 * stiffness)
         wanted = min(steps.force_drop * start.force, max(steps.tail * new.force, 0.5 * smallest * start.force))
         step = min(wanted / tangent, 2.0 * step)
-    path.append(solver.free_shape(path[-1]))
-    return path
+    try:
+        free = solver.touching(release.step(path[-1], path[-1].overlap, start.force, contact=False))
+    except NoEquilibrium:
+        free = solver.free_shape(path[-1])
+    return [*path, free]
+
+
+def _back(
+    solver: Equilibrium, release: Release, state: State, overlap: float, largest_force: float, guess: Guess | None
+) -> tuple[State, Release]:
+    """The state at a smaller overlap, and what to go on with: the factors at hand where they serve, else those of a new tangent."""
+    try:
+        new = release.step(state, overlap, largest_force, guess)
+    except NoEquilibrium:
+        new = solver.step(state, ByOverlap(overlap), largest_force, guess)
+        return new, Release(solver, new)
+    return new, Release(solver, new) if release.tired else release

@@ -7,18 +7,22 @@ which that node lands or leaves, with zero force on it.
 
 from __future__ import annotations
 
+import math
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg.lapack import dgbtrf, dgbtrs
 
-from contactlaws.compiled import kernel
 from fem.assembly import Discretisation
-from fem.element import advance, assemble
-from fem.mesh import FloatArray
+from fem.banded import constrain, factorise, solve, solve_many
+from fem.element import advance, assemble, assemble_forces
+from fem.mesh import FloatArray, IntArray
 
+BoolArray = npt.NDArray[np.bool_]
 Moduli = tuple[float, float, float]  # bulk, shear, yield stress (infinite: elastic), one unit
 
 ITERATIONS = 30  # a step that needs more is cut
@@ -57,7 +61,22 @@ class Statistics:
 
     steps: int = 0
     iterations: int = 0
-    rejected: int = 0
+    factorisations: int = 0
+    rejected: int = 0  # steps that found no equilibrium and were cut
+    # CPU seconds
+    forces: float = 0.0  # nodal forces
+    stiffness: float = 0.0  # nodal forces with their tangent
+    factorisation: float = 0.0
+    solution: float = 0.0
+    contact: float = 0.0  # who rests, who leaves
+    history: float = 0.0  # taking converged states over
+
+    @contextmanager
+    def timed(self, part: str) -> Iterator[None]:
+        """Add what runs inside to a part."""
+        began = time.process_time()
+        yield
+        setattr(self, part, getattr(self, part) + time.process_time() - began)
 
 
 @dataclass(frozen=True)
@@ -67,7 +86,7 @@ class State:
     overlap: float
     force: float
     displacement: FloatArray  # (nodes, 2)
-    active: npt.NDArray[np.bool_]  # (surface nodes,) which rest on the flat
+    active: BoolArray  # (surface nodes,) which rest on the flat
     history: FloatArray  # (elements, 4, 4) Cp^-1: rr, zz, rz, hoop
     plastic_strain: FloatArray  # (elements, 4)
     stress: FloatArray  # (elements, 4, 4) Cauchy: rr, zz, rz, hoop
@@ -78,21 +97,28 @@ class State:
     yield_place: tuple[int, int] = (0, 0)  # element and Gauss point of it
 
 
-@kernel
-def constrain(band, half, fixed, values, rhs):  # type: ignore[no-untyped-def]
-    """Prescribe dofs `fixed`: take their columns times `values` (fixed, right-hand sides) to the right, leave a unit diagonal."""
-    size = rhs.shape[0]
-    for k in range(fixed.size):
-        d = fixed[k]
-        for i in range(max(0, d - half), min(size, d + half + 1)):
-            entry = band[d, 2 * half + i - d]
-            for c in range(rhs.shape[1]):
-                rhs[i, c] -= entry * values[k, c]
-            band[d, 2 * half + i - d] = 0.0
-            band[i, 2 * half + d - i] = 0.0
-        band[d, 2 * half] = 1.0
-    for k in range(fixed.size):
-        rhs[fixed[k], :] = values[k, :]
+@dataclass
+class _Trial:
+    """Where the iterations of one step stand."""
+
+    displacement: FloatArray
+    overlap: float
+    active: BoolArray
+    update: FloatArray  # the last move
+    onward: float = 0.0  # by how much the overlap grew in it
+    fraction: float = 1.0  # of the last move that was kept
+
+    def move(self, update: FloatArray, onward: float) -> None:
+        """Go on by `update`."""
+        self.update, self.onward, self.fraction = update, onward, 1.0
+        self.displacement += update
+        self.overlap += onward
+
+    def halve(self) -> None:
+        """Take back half of what is left of the last move."""
+        self.fraction *= 0.5
+        self.displacement -= self.fraction * self.update
+        self.overlap -= self.fraction * self.onward
 
 
 class Equilibrium:
@@ -102,12 +128,13 @@ class Equilibrium:
         self.body, self.moduli = body, moduli
         self.statistics = Statistics() if statistics is None else statistics
         section = body.section
+        self.height = section.height
         self.surface_height = section.mesh.p[1, section.surface]
         self.surface_dofs = 2 * section.surface + 1
         self.midplane_dofs = 2 * section.midplane + 1
         self.axis_dofs = 2 * section.axis
-        # what the strains' round-off (1e-16 of a stretch near 1) leaves of the nodal forces; the mean dilatation's is an average
-        self.round_off = (1e-15 * moduli[1] + 1e-16 * moduli[0]) * np.sqrt(body.cells.shape[0])
+        # what the strains' round-off (1e-16 of a stretch near 1) leaves of the nodal forces
+        self.round_off = 1e-15 * moduli[1] * np.sqrt(body.cells.shape[0])
         self.forces = np.empty(body.dofs)
         self.band = np.empty(body.band_shape)
 
@@ -116,24 +143,18 @@ class Equilibrium:
         cells = self.body.volumes.shape
         history = np.zeros((*cells, 4))
         history[..., [0, 1, 3]] = 1.0
-        touching = self.surface_height >= self.body.section.height * (1.0 - 1e-12)
+        touching = self.surface_height >= self.height * (1.0 - 1e-12)
         zeros = np.zeros((self.body.dofs // 2, 2))
         return State(0.0, 0.0, zeros, touching, history, np.zeros(cells), np.zeros_like(history), np.zeros(touching.size))
-
-    def stiffness(self, state: State) -> float:
-        """Tangent d force / d overlap of the elastic response from a converged state, all resting nodes held."""
-        bulk, shear, _ = self.moduli
-        elastic = Equilibrium(self.body, (bulk, shear, np.inf))
-        elastic._assemble(state.displacement, state.history)
-        along = elastic._directions(state.displacement, state.active)[1]
-        shift = 1e-7 * state.overlap
-        elastic._assemble(state.displacement + shift * along, state.history)
-        return (float(elastic.forces[self.midplane_dofs].sum()) - state.force) / shift
 
     def free_shape(self, state: State) -> State:
         """The body off the flat, moved rigidly to where it just touches: the separation after `state`."""
         off = replace(state, active=np.zeros_like(state.active))
         free = self.step(off, ByOverlap(state.overlap), state.force, contact=False)
+        return self.touching(free)
+
+    def touching(self, free: State) -> State:
+        """A state without force, moved rigidly to where it just touches the flat."""
         lift = float(self.gaps(free.displacement).min())
         displacement = free.displacement.copy()
         displacement[:, 1] += lift
@@ -141,48 +162,84 @@ class Equilibrium:
 
     def gaps(self, displacement: FloatArray) -> FloatArray:
         """Distance of every surface node from the flat, negative if it has gone through."""
-        return self.body.section.height - self.surface_height - displacement[self.body.section.surface, 1]
+        return self.height - self.surface_height - displacement[self.body.section.surface, 1]
 
-    def _assemble(self, displacement: FloatArray, history: FloatArray) -> bool:
+    def evaluate(self, displacement: FloatArray, history: FloatArray) -> bool:
+        """Put the nodal forces into `forces`; False if an element is turned inside out."""
         b = self.body
-        return bool(
-            assemble(
-                displacement, b.cells, b.gradients, b.hoops, b.volumes, history, self.moduli, b.slots, self.forces, self.band.reshape(-1)
-            )
-        )
+        with self.statistics.timed("forces"):
+            return bool(assemble_forces(displacement, b.cells, b.gradients, b.hoops, b.volumes, history, self.moduli, self.forces))
 
-    def _directions(self, displacement: FloatArray, active: npt.NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
-        """Newton's update at fixed overlap, and the displacement per unit of overlap; also leaves the reactions in `forces`."""
-        half = self.body.half_bandwidth
+    def linearise(self, displacement: FloatArray, history: FloatArray, moduli: Moduli | None = None) -> bool:
+        """The nodal forces, and their tangent into `band`; False if an element is turned inside out."""
+        b, band = self.body, self.band.reshape(-1)
+        with self.statistics.timed("stiffness"):
+            return bool(
+                assemble(displacement, b.cells, b.gradients, b.hoops, b.volumes, history, moduli or self.moduli, b.slots, self.forces, band)
+            )
+
+    def factorise(self, fixed: IntArray, values: FloatArray, rhs: FloatArray) -> None:
+        """Prescribe `values` (right-hand sides, fixed) of the components `fixed` in the tangent and take them to the right of `rhs`
+        (right-hand sides, dofs); then factorise the tangent in place."""
+        half, size = self.body.half_bandwidth, self.body.dofs
+        with self.statistics.timed("factorisation"):
+            constrain(self.band, half, fixed, values, rhs)
+            if not factorise(self.band.reshape(-1), size, half):
+                raise NoEquilibrium("singular tangent stiffness")
+        self.statistics.factorisations += 1
+
+    def solve(self, rhs: FloatArray) -> None:
+        """Solve for each row of `rhs` with the factors at hand, in place."""
+        with self.statistics.timed("solution"):
+            solve(self.band.reshape(-1), self.body.dofs, self.body.half_bandwidth, rhs)
+
+    def compliance(self, dofs: IntArray, fixed: IntArray) -> FloatArray:
+        """Displacements (dofs, all dofs) per unit of force on each of `dofs`, `fixed` being held; factorises the tangent in place."""
+        self.factorise(fixed, np.zeros((0, fixed.size)), np.zeros((0, self.body.dofs)))
+        response = np.zeros((self.body.dofs, dofs.size))
+        response[dofs, np.arange(dofs.size)] = 1.0
+        with self.statistics.timed("solution"):
+            solve_many(self.band.reshape(-1), self.body.dofs, self.body.half_bandwidth, response)
+        return np.ascontiguousarray(response.T)
+
+    def _directions(self, displacement: FloatArray, active: BoolArray) -> FloatArray:
+        """From the tangent in `band`: Newton's update at fixed overlap, and the displacement per unit of overlap (2, dofs)."""
         closing = self.gaps(displacement)[active]
         fixed = np.concatenate([self.axis_dofs, self.midplane_dofs, self.surface_dofs[active]])
-        values = np.zeros((fixed.size, 2))
-        values[self.axis_dofs.size : self.axis_dofs.size + self.midplane_dofs.size, 1] = 1.0
-        values[fixed.size - closing.size :, 0] = closing
-        rhs = np.zeros((self.body.dofs, 2), order="F")
-        rhs[:, 0] = -self.forces
-        constrain(self.band, half, fixed, values, rhs)
-        factors, pivots, info = dgbtrf(self.band.T, half, half, overwrite_ab=True)
-        if info != 0:
-            raise NoEquilibrium(f"singular tangent stiffness (pivot {info})")
-        solution, info = dgbtrs(factors, half, half, rhs, pivots, overwrite_b=True)
+        values = np.zeros((2, fixed.size))
+        values[1, self.axis_dofs.size : self.axis_dofs.size + self.midplane_dofs.size] = 1.0
+        values[0, fixed.size - closing.size :] = closing
+        rhs = np.zeros((2, self.body.dofs))
+        rhs[0] = -self.forces
+        self.factorise(fixed, values, rhs)
+        self.solve(rhs)
         self.statistics.iterations += 1
-        return solution[:, 0].reshape(-1, 2), solution[:, 1].reshape(-1, 2)
+        return rhs
 
-    def _residual(self, active: npt.NDArray[np.bool_]) -> float:
+    def _free_forces(self, active: BoolArray) -> FloatArray:
+        """The forces on components that nothing holds, zero elsewhere."""
         free = self.forces.copy()
         free[self.axis_dofs] = 0.0
         free[self.midplane_dofs] = 0.0
         free[self.surface_dofs[active]] = 0.0
-        return float(np.linalg.norm(free))
+        return free
 
-    def _violations(
-        self, displacement: FloatArray, overlap: float, active: npt.NDArray[np.bool_], scale: float
-    ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-        """Nodes that have gone through the flat, and nodes that it would have to pull."""
-        through = ~active & (self.gaps(displacement) < -max(PENETRATION * overlap, 1e-14))
-        pulled = active & (self.forces[self.surface_dofs] > RESIDUAL * scale)
-        return through, pulled
+    def _update_contact(self, trial: _Trial, free: int | None, scale: float) -> bool:
+        """Hold nodes that went through the flat (number `free` may), let go those that it would have to pull; whether there are any."""
+        with self.statistics.timed("contact"):
+            through = ~trial.active & (self.gaps(trial.displacement) < -max(PENETRATION * trial.overlap, 1e-14))
+            if free is not None:
+                through[free] = False
+            pulled = trial.active & (self.forces[self.surface_dofs] > RESIDUAL * scale)
+            trial.active = (trial.active | through) & ~pulled
+            return bool(through.any() or pulled.any())
+
+    def _onward(self, trial: _Trial, control: ByOverlap | ByGap, update: FloatArray, along: FloatArray) -> float:
+        """By how much the overlap moves with `update` for `control` to be met."""
+        if isinstance(control, ByOverlap):
+            return control.overlap - trial.overlap
+        dof = self.surface_dofs[control.place]
+        return float((self.gaps(trial.displacement)[control.place] - control.gap - update[dof]) / along[dof])
 
     def step(
         self,
@@ -194,72 +251,60 @@ class Equilibrium:
         contact: bool = True,
     ) -> State:
         """The equilibrium that `control` asks for, from `start`; raises `NoEquilibrium`."""
-        displacement, overlap, active = start.displacement.copy(), start.overlap, start.active.copy()
-        if guess is not None:
-            displacement, overlap = guess.displacement.copy(), guess.overlap
+        near = guess or Guess(start.displacement, start.overlap)
+        trial = _Trial(near.displacement.copy(), near.overlap, start.active.copy(), np.zeros_like(start.displacement))
         free = control.place if isinstance(control, ByGap) else free
         if free is not None:
-            active[free] = False
-        changes, best, fraction = 0, np.inf, 1.0
-        update, advance_by = np.zeros_like(displacement), 0.0
+            trial.active[free] = False
+        changes, best, scale = 0, np.inf, 0.0
         for iteration in range(ITERATIONS):
-            sound = self._assemble(displacement, start.history)
+            # the residual falls quadratically: where this move should have settled it, the tangent will not be needed
+            expected = best < math.sqrt(RESIDUAL) * scale
+            sound = (self.evaluate if expected else self.linearise)(trial.displacement, start.history)
             force = float(self.forces[self.midplane_dofs].sum())
             scale = max(abs(force), largest_force, 1e-300)
-            residual = self._residual(active) if sound else np.inf
-            if (residual > best or not sound) and fraction > 0.05 and iteration > 1:
+            residual = float(np.linalg.norm(self._free_forces(trial.active))) if sound else np.inf
+            if (residual > best or not sound) and trial.fraction > 0.05 and iteration > 1:
                 # backtrack along the last update: the residual must fall, but for the step's first move and after a change of contact
-                fraction *= 0.5
-                displacement -= fraction * update
-                overlap -= fraction * advance_by
+                trial.halve()
                 continue
             if not np.isfinite(residual):
                 raise NoEquilibrium("an element was turned inside out" if not sound else "Newton's method diverges")
-            settled = iteration > 0 and residual < max(RESIDUAL * scale, self.round_off)
-            changed = False
+            settled, changed = iteration > 0 and residual < max(RESIDUAL * scale, self.round_off), False
             # never leave unchecked; before that, look as soon as the contact can be trusted
-            near = iteration > 1 and isinstance(control, ByOverlap) and residual < 0.02 * scale
-            if contact and (settled or near):
-                through, pulled = self._violations(displacement, overlap, active, scale)
-                if free is not None:
-                    through[free] = False
-                changed = bool(through.any() or pulled.any())
-                if changed:
-                    changes += 1
-                    if changes > CONTACT_CHANGES:
-                        raise NoEquilibrium("the contact does not settle")
-                    active = (active | through) & ~pulled
+            if contact and (settled or (iteration > 1 and isinstance(control, ByOverlap) and residual < 0.02 * scale)):
+                changed = self._update_contact(trial, free, scale)
+                changes += changed
+                if changes > CONTACT_CHANGES:
+                    raise NoEquilibrium("the contact does not settle")
             if settled and not changed:
-                return self._accept(start, displacement, overlap, active, force)
+                return self.accept(start, trial.displacement, trial.overlap, trial.active, force)
             best = np.inf if iteration == 0 or changed else residual
-            update, along = self._directions(displacement, active)
-            if isinstance(control, ByOverlap):
-                advance_by = control.overlap - overlap
-            else:
-                dof = (self.body.section.surface[control.place], 1)
-                advance_by = (self.gaps(displacement)[control.place] - control.gap - update[dof]) / along[dof]
-            update += advance_by * along
-            fraction = 1.0
-            displacement += update
-            overlap += advance_by
+            if expected:
+                self.linearise(trial.displacement, start.history)
+            update, along = self._directions(trial.displacement, trial.active)
+            onward = self._onward(trial, control, update, along)
+            trial.move((update + onward * along).reshape(-1, 2), onward)
         raise NoEquilibrium(f"no convergence in {ITERATIONS} iterations (residual {best / scale:.1e} of the force)")
 
-    def _accept(self, start: State, displacement: FloatArray, overlap: float, active: npt.NDArray[np.bool_], force: float) -> State:
+    def accept(self, start: State, displacement: FloatArray, overlap: float, active: BoolArray, force: float) -> State:
+        """The state at a converged displacement, `forces` being its forces."""
         b = self.body
         history, plastic, stress = np.empty_like(start.history), np.empty_like(start.plastic_strain), np.empty_like(start.stress)
-        stored, dissipated, ratio, element, point = advance(
-            displacement,
-            b.cells,
-            b.gradients,
-            b.hoops,
-            b.volumes,
-            start.history,
-            self.moduli,
-            history,
-            start.plastic_strain,
-            plastic,
-            stress,
-        )
+        with self.statistics.timed("history"):
+            stored, dissipated, ratio, element, point = advance(
+                displacement,
+                b.cells,
+                b.gradients,
+                b.hoops,
+                b.volumes,
+                start.history,
+                self.moduli,
+                history,
+                start.plastic_strain,
+                plastic,
+                stress,
+            )
         self.statistics.steps += 1
         reaction = np.where(active, self.forces[self.surface_dofs], 0.0)
         return State(

@@ -36,10 +36,10 @@ class Resolution(NamedTuple):
 
 #: cheapest resolution for a tolerance on the mean force; measured against runs twice as fine in the verification
 RESOLUTIONS = (
-    (0.01, Resolution(8, Steps(first=0.15, growth=3.0, force_drop=0.12))),
-    (0.005, Resolution(12, Steps(first=0.1, growth=2.0, force_drop=0.12))),
-    (0.0025, Resolution(16, Steps(first=0.08, growth=2.0, force_drop=0.12))),
-    (0.001, Resolution(24, Steps(first=0.06, growth=2.0, force_drop=0.12))),
+    (0.01, Resolution(8, Steps(first=0.15, growth=3.0))),
+    (0.005, Resolution(12, Steps(first=0.1, growth=2.0, force_drop=0.2, tail=0.5))),
+    (0.0025, Resolution(16, Steps(first=0.08, growth=2.0, force_drop=0.2, tail=0.5))),
+    (0.001, Resolution(24, Steps(first=0.06, growth=2.0, force_drop=0.2, tail=0.5))),
 )
 #: beyond this overlap over the half height, a landing takes a quarter of the overlap in a mesh of square cells: there they are made shorter
 DEEP, ALONG_IF_DEEP = 0.15, 1.5

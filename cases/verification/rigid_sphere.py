@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from contactlaws.curve import FloatArray
 from contactlaws.material import Material
 from fem.assembly import Discretisation, discretise
+from fem.banded import pad
 from fem.mesh import spheroid
 from fem.newton import ByOverlap, Equilibrium, Moduli, NoEquilibrium, State
 from fem.press import core_size, moduli_of
@@ -50,10 +51,19 @@ class OnSphere(Equilibrium):
         self.area[:-1] += ring * (2.0 * r[:-1] + r[1:])
         self.area[1:] += ring * (r[:-1] + 2.0 * r[1:])
 
-    def _assemble(self, displacement: FloatArray, history: FloatArray) -> bool:
-        """The body's forces and tangent, and those of the penalty on the surface nodes that have entered the sphere."""
-        if not super()._assemble(displacement, history):
-            return False
+    def evaluate(self, displacement: FloatArray, history: FloatArray) -> bool:
+        """The body's forces, and those of the penalty on the surface nodes that have entered the sphere."""
+        sound = super().evaluate(displacement, history)
+        self._add_penalty(displacement, tangent=False)
+        return sound
+
+    def linearise(self, displacement: FloatArray, history: FloatArray, moduli: Moduli | None = None) -> bool:
+        """The same with their tangent."""
+        sound = super().linearise(displacement, history, moduli)
+        self._add_penalty(displacement, tangent=True)
+        return sound
+
+    def _add_penalty(self, displacement: FloatArray, tangent: bool) -> None:
         nodes = self.body.section.surface
         below = self.gaps(displacement)  # under the plane that touches the sphere: no cancellation for a nearly flat one
         place = np.stack([self.body.section.mesh.p[0, nodes] + displacement[nodes, 0], -(self.radius + below)])
@@ -64,13 +74,11 @@ class OnSphere(Equilibrium):
         factor = self.stiffness_per_area * self.area[inside]
         force = factor * gap[inside]
         turning = force / distance[inside]
-        half = self.body.half_bandwidth
         for a in (0, 1):
             self.forces[2 * nodes + a] += force * normal[a]
-            for c in (0, 1):
-                tangent = (factor - turning) * normal[a] * normal[c] + (turning if a == c else 0.0)
-                self.band[2 * nodes + c, 2 * half + a - c] += tangent
-        return True
+            for c in (0, 1) if tangent else ():
+                entry = (factor - turning) * normal[a] * normal[c] + (turning if a == c else 0.0)
+                self.band[2 * nodes + a, pad(self.body.half_bandwidth) + c - a] += entry
 
 
 def _reach(solver: OnSphere, state: State, overlap: float, largest_force: float) -> State:

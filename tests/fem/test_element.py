@@ -7,7 +7,8 @@ import pytest
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from fem.element import mean_dilatation
+from fem.banded import pad
+from fem.element import assemble_forces, mean_dilatation
 from fem.mesh import FloatArray
 from fem.newton import Moduli
 from tests.fem.bodies import ELASTIC, NEARLY_INCOMPRESSIBLE, PLASTIC, Material, displacements, middle_node, patch, slope, von_mises
@@ -159,13 +160,25 @@ def test_band_matrix_holds_the_tangent_of_the_whole_patch(displacement: FloatArr
     dense = np.zeros((size, size))
     for column in range(size):
         for row in range(max(0, column - half), min(size, column + half + 1)):
-            dense[row, column] = band[column, 2 * half + row - column]
+            dense[row, column] = band[row, pad(half) + column - row]
     scale = np.abs(dense).max()
     np.testing.assert_allclose(dense, dense.T, rtol=0, atol=1e-13 * scale)
     rng = np.random.default_rng(1)
     direction = rng.standard_normal(displacement.shape)
     by_differences = slope(lambda h: material.forces(displacement + h * direction).ravel())
     np.testing.assert_allclose(dense @ direction.ravel(), by_differences, rtol=0, atol=1e-8 * scale)
+
+
+@thorough
+@given(displacements)
+def test_forces_alone_are_those_that_come_with_the_stiffness(displacement: FloatArray):
+    """Two formulas, the spatial and the material one, elastic and beyond yield, to round-off of the moduli's size."""
+    assume(sound(displacement))
+    for moduli in (ELASTIC, PLASTIC, NEARLY_INCOMPRESSIBLE):
+        material, b = Material(BODY, moduli), BODY
+        alone = np.empty(b.dofs)
+        assert assemble_forces(displacement, b.cells, b.gradients, b.hoops, b.volumes, material.history, moduli, alone)
+        np.testing.assert_allclose(alone, material.forces(displacement).ravel(), rtol=0, atol=1e-13 * moduli[0])
 
 
 def test_inside_out_element_is_refused():

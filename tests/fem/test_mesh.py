@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from fem.assembly import discretise
 from fem.mesh import FloatArray, Section, spheroid
-from fem.newton import constrain
 
 #: what press() and the verification ask for, and beyond
 divisions = st.integers(3, 24)
@@ -127,25 +126,3 @@ def test_each_entry_of_the_stiffness_has_its_own_slot():
     for slot, row, column in zip(body.slots.ravel(), *pairs, strict=True):
         assert found.setdefault(int(slot), (int(row), int(column))) == (row, column)
     assert len(found) == np.unique(pairs, axis=1).shape[1]
-
-
-def test_prescribed_displacements_in_the_band():
-    """Two right-hand sides, three prescribed components, against dense elimination."""
-    rng = np.random.default_rng(5)
-    size, half = 12, 3
-    dense = np.where(
-        np.abs(np.subtract.outer(np.arange(size), np.arange(size))) <= half, rng.standard_normal((size, size)), 0.0
-    ) + 6.0 * np.eye(size)
-    rhs, fixed, values = rng.standard_normal((size, 2)), np.array([0, 5, 11]), rng.standard_normal((3, 2))
-    band = np.zeros((size, 3 * half + 1))
-    for column in range(size):
-        for row in range(max(0, column - half), min(size, column + half + 1)):
-            band[column, 2 * half + row - column] = dense[row, column]
-    free = np.setdiff1d(np.arange(size), fixed)
-    expected = np.zeros((size, 2))
-    expected[fixed] = values
-    expected[free] = np.linalg.solve(dense[np.ix_(free, free)], rhs[free] - dense[np.ix_(free, fixed)] @ values)
-    solution = rhs.copy()
-    constrain(band, half, fixed, values, solution)
-    unrolled = np.array([[band[c, 2 * half + r - c] if abs(r - c) <= half else 0.0 for c in range(size)] for r in range(size)])
-    np.testing.assert_allclose(np.linalg.solve(unrolled, solution), expected, rtol=1e-12)

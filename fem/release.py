@@ -1,0 +1,97 @@
+"""Unloading by one factorisation: the body responds almost linearly, only the contact opens.
+
+While the body is let go it is elastic almost everywhere, and what is not linear in it is small (strains of the order Y/E). So the elastic
+tangent of the state it leaves from, factorised once with the contact free, serves many steps: each iteration asks for nodal forces only.
+Which nodes rest is found in the same breath: seen from the contact, the body is its compliance matrix, and resting forces (none pulls) and
+gaps (none negative) that exclude each other are a small complementarity problem.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem.mesh import FloatArray
+from fem.newton import PENETRATION, RESIDUAL, BoolArray, Equilibrium, Guess, NoEquilibrium, State
+
+ITERATIONS = 20
+SLOW = 8  # a step of more iterations asks for a new factorisation
+CONTRACTION = 0.7  # of the residual in each iteration, at least; else the tangent is too old
+FREE_RESIDUAL = 0.01 * RESIDUAL  # off the flat: there the largest force is not that of the state, whose stresses are small
+
+
+def complementary(compliance: FloatArray, gaps: FloatArray, resting: BoolArray) -> FloatArray:
+    """Forces f >= 0 with gaps + compliance f >= 0, one of both zero at each node; `resting` is where to begin.
+
+    Raises `NoEquilibrium` if the nodes that rest don't settle.
+    """
+    slack = 1e-13 * float(np.abs(gaps).max(initial=1e-300))
+    for _ in range(3 * gaps.size + 10):
+        force = np.zeros(gaps.size)
+        force[resting] = np.linalg.solve(compliance[np.ix_(resting, resting)], -gaps[resting])
+        wanted = np.where(resting, force > 0.0, gaps + compliance @ force < -slack)
+        if (wanted == resting).all():
+            return force
+        resting = wanted
+    raise NoEquilibrium("the contact does not settle")
+
+
+class Release:
+    """Takes a body back from `origin`, of whose resting nodes none but leave (and return)."""
+
+    def __init__(self, solver: Equilibrium, origin: State):
+        self.solver = solver
+        self.nodes = np.flatnonzero(origin.active)
+        self.dofs = solver.surface_dofs[self.nodes]
+        bulk, shear, _ = solver.moduli
+        solver.linearise(origin.displacement, origin.history, (bulk, shear, np.inf))
+        self.held = np.concatenate([solver.axis_dofs, solver.midplane_dofs])
+        self.response = solver.compliance(self.dofs, self.held)  # displacements per unit of force on each resting node
+        self.compliance = np.ascontiguousarray(self.response[:, self.dofs])
+        self.tired = False
+
+    def stiffness(self, state: State) -> float:
+        """Tangent d force / d overlap with the resting nodes held."""
+        resting = state.active[self.nodes]
+        return float(np.linalg.solve(self.compliance[np.ix_(resting, resting)], np.ones(np.count_nonzero(resting))).sum())
+
+    def step(self, start: State, overlap: float, largest_force: float, guess: Guess | None = None, contact: bool = True) -> State:
+        """The equilibrium at `overlap`, or with contact=False off the flat; raises `NoEquilibrium` where the factors don't serve."""
+        solver, tolerance = self.solver, RESIDUAL if contact else FREE_RESIDUAL
+        displacement = (start if guess is None else guess).displacement.copy()
+        displacement[:, 1] += overlap - (start if guess is None else guess).overlap
+        resting = start.active[self.nodes] & contact
+        force, last = np.where(resting, -start.reaction[self.nodes], 0.0), np.inf
+        for iteration in range(ITERATIONS):
+            if not solver.evaluate(displacement, start.history):
+                raise NoEquilibrium("an element was turned inside out")
+            free = solver.forces.copy()
+            free[self.held] = 0.0
+            total = float(solver.forces[solver.midplane_dofs].sum())
+            balance = free.copy()
+            balance[self.dofs] += force
+            residual = float(np.linalg.norm(balance))
+            if iteration > 0 and residual < max(tolerance * max(abs(total), largest_force), solver.round_off):
+                self.tired = iteration > SLOW
+                return self._accepted(start, displacement, overlap, force > 0.0, total)
+            if iteration > 1 and not residual < CONTRACTION * last:
+                raise NoEquilibrium("the tangent is too old")
+            last = residual
+            update = -free[None, :]
+            solver.solve(update)
+            if contact:
+                with solver.statistics.timed("contact"):
+                    gaps = solver.gaps(displacement)[self.nodes] - update[0, self.dofs]
+                    force = complementary(self.compliance, gaps, resting)
+                resting = force > 0.0
+                update[0] -= force @ self.response
+            displacement += update.reshape(-1, 2)
+            solver.statistics.iterations += 1
+        raise NoEquilibrium(f"no convergence in {ITERATIONS} iterations")
+
+    def _accepted(self, start: State, displacement: FloatArray, overlap: float, resting: BoolArray, force: float) -> State:
+        solver = self.solver
+        if resting.any() and solver.gaps(displacement).min() < -max(PENETRATION * overlap, 1e-14):
+            raise NoEquilibrium("a node lands that did not rest before")
+        active = np.zeros_like(start.active)
+        active[self.nodes[resting]] = True
+        return solver.accept(start, displacement, overlap, active, force)
