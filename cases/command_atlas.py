@@ -22,7 +22,11 @@ def predict(
     radius: Annotated[str, _option("Radius of the sphere, such as '5 um'; 1 m without it.")] = "1",
     unload_from: Annotated[list[str] | None, _option("D1 D2 ...: overlaps over radius to unload from; default: the atlas's own.")] = None,
     max_overlap: Annotated[Text, _option("Largest overlap over radius; default: the largest of --unload-from, else of the atlas.")] = None,
-    law: Annotated[str, _option("Law to make of it; 'tabulated', exact on the curve, without it.")] = "tabulated",
+    law: Annotated[Text, _option("Law to make of it; 'tabulated', exact on the curve, without it.")] = None,
+    tolerance: Annotated[Text, _option("In place of --law: takes the cheapest law whose measured error is no larger.")] = None,
+    quantity: Annotated[
+        str, _option("What --tolerance is about: force, contact_radius, recovered_energy ...; force without it.")
+    ] = "force",
     compute: Annotated[bool, typer.Option("--compute", help="Run finite elements for what lies outside the atlas.")] = False,
     out: Annotated[Path | None, _option("LAW.json, CURVE.csv or CURVE.parquet.")] = None,
 ) -> None:
@@ -31,7 +35,8 @@ def predict(
 
     values = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "yield_stress": yield_stress, "radius": radius}
     values_given: dict[str, Any] = {name: value for name, value in {**values, "max_overlap": max_overlap}.items() if value is not None}
-    prediction.predict({**values_given, "unload_from": unload_from or []}, elastic, law, compute, out)
+    choice = prediction.LawOption(law, tolerance, quantity)
+    prediction.predict({**values_given, "unload_from": unload_from or []}, elastic, choice, compute, out)
 
 
 def identify(

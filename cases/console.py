@@ -98,6 +98,17 @@ def show_fit(fit: Any, path: Path | None) -> None:
         out.print(f"saved: {path}")
 
 
+def show_trials(trials: Iterable[Any], quantity: str, tolerance: float) -> None:
+    """The laws that were tried for a tolerance, the last being the one that keeps it."""
+    table = sheet("law, from the cheapest on", "ns per contact", f"differs in {quantity.replace('_', ' ')} by", "")
+    for trial in trials:
+        kept = trial.error is not None and trial.error <= tolerance
+        remark = escape((trial.reason or "").splitlines()[0][:80]) if trial.reason else "taken" if kept else ""
+        table.add_row(trial.law, f"{trial.nanoseconds:.0f}", percent(trial.error), remark)
+    table.columns[3].justify = "left"
+    out.print(table)
+
+
 def correlations(names: Sequence[str], matrix: Any) -> str:
     """The pairs of fitted parameters that the curves can hardly tell apart; NaN, of those they say nothing about, is no correlation.
 

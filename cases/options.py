@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from cases.batch.store import problems_with_writing
+from cases.casefile import units
 from cases.casefile.schema import CurveOptions, Impact, Sample
 from cases.casefile.validation import validated
 from contactlaws.errors import InputError, Problem
@@ -33,6 +34,21 @@ def in_words_of_options(problems: Sequence[Problem]) -> list[Problem]:
         else problem
         for problem in problems
     ]
+
+
+def read_tolerance(text: str) -> tuple[float, list[Problem]]:
+    """The tolerance of a law: above 0, a bare number or with a percent sign.
+
+    >>> read_tolerance("2 %"), read_tolerance("0.02")
+    ((0.02, []), (0.02, []))
+    """
+    try:
+        value = units.si(text, "")
+    except InputError as error:
+        return 0.0, [problem._replace(name="--tolerance") for problem in error.problems]
+    if not 0.0 < value < 1.0:
+        return value, [Problem("--tolerance", text, "must lie between 0 and 1", "0.01 is 1 %")]
+    return value, []
 
 
 def problems_with_output(name: str, path: Path | None, endings: tuple[str, ...], needed: bool) -> Iterator[Problem]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import Field
 from rich import box
@@ -12,9 +14,12 @@ from rich.table import Table
 
 from cases import console
 from cases.casefile.schema import Depth, Length, MaterialTable, missing_yield_stress
-from cases.options import checked, in_words_of_options, problems_with_output
-from contactlaws.errors import InputError
+from cases.options import checked, in_words_of_options, problems_with_output, read_tolerance
+from contactlaws.errors import InputError, Problem
+from contactlaws.material import Material
 
+#: which of a prediction's own differences between law and curve belongs to a score of laws; the others are not known there
+SAME_AS = {"unloading_shape": "unloading_force"}
 ENDINGS = (".json", ".csv", ".parquet")
 
 
@@ -26,12 +31,26 @@ class PredictionOptions(MaterialTable):
     max_overlap: Depth | None = Field(None, description="largest overlap over radius, such as 0.1")
 
 
-def predict(options: Mapping[str, Any], elastic: bool, law: str, compute: bool, out: Path | None) -> None:
+class LawOption(NamedTuple):
+    """Which law is wanted: by name, or by what it may be wrong."""
+
+    law: str | None = None
+    tolerance: str | None = None
+    quantity: str = "force"
+
+
+def predict(options: Mapping[str, Any], elastic: bool, wanted: LawOption, compute: bool, out: Path | None) -> None:
     """Predict, write what the ending of `out` asks for, and say how wrong it may be. Raises `InputError` before computing."""
     body, problems = checked(PredictionOptions, options)
     problems += problems_with_output("--out", out, ENDINGS, needed=True)
     if "yield_stress" not in options and not elastic:
         problems.append(missing_yield_stress("--yield-stress", "is needed for a plastic body"))
+    share = None
+    if wanted.tolerance is not None:
+        share, wrong = read_tolerance(wanted.tolerance)
+        problems += wrong
+        if wanted.law is not None:
+            problems.append(Problem("--law", wanted.law, "leaves nothing to choose for --tolerance", "give one of them"))
     if body is None or out is None or problems:
         raise InputError(in_words_of_options(problems))
 
@@ -40,8 +59,9 @@ def predict(options: Mapping[str, Any], elastic: bool, law: str, compute: bool, 
     from contactlaws.curve_files import write_curve
 
     asked = {"radius": body.radius, "unload_from": body.unload_from, "max_overlap": body.max_overlap}
+    make = partial(calibration.predict, body.record(elastic), **asked, compute=compute)  # type: ignore[arg-type]
     try:
-        found = calibration.predict(body.record(elastic), **asked, law=law, compute=compute)  # type: ignore[arg-type]
+        found = make(law=wanted.law or "tabulated") if share is None else _within(make, body.record(elastic), share, wanted.quantity)
     except InputError as error:
         raise InputError(in_words_of_options(error.problems)) from error
     if out.suffix == ".json":
@@ -49,6 +69,33 @@ def predict(options: Mapping[str, Any], elastic: bool, law: str, compute: bool, 
     else:
         write_curve(found.curve, out)
     show(found, out)
+
+
+def _within(make: Callable[..., Any], material: Material, tolerance: float, quantity: str) -> Any:
+    """The prediction with the cheapest law that keeps a tolerance, both on the reference curves around and on the predicted curve."""
+    from calibration import law_choice
+
+    curve = make().curve
+    known = law_choice.candidates(quantity, material, float(curve.overlap.max()) / curve.radius)
+    good = law_choice.good_enough(known, tolerance, quantity)
+    table = console.sheet("law, from the cheapest on", "ns per contact", f"{quantity.replace('_', ' ')}: worst on curves around", "here")
+    for candidate in known:
+        if candidate not in good:
+            table.add_row(candidate.law, f"{candidate.nanoseconds:.0f}", _worst(candidate.error), "")
+            continue
+        found = make(law=candidate.law)
+        here = found.law_errors.get(SAME_AS.get(quantity, quantity))
+        table.add_row(candidate.law, f"{candidate.nanoseconds:.0f}", _worst(candidate.error), console.percent(here))
+        if here is None or here <= tolerance:
+            console.out.print(table)
+            console.out.print(f"{candidate.law} taken: the cheapest within {console.percent(tolerance)}")
+            return found
+    bound = "no law that keeps it on the reference curves around keeps it on this one"
+    raise InputError(Problem("--tolerance", tolerance, bound, "ask for less, or take --law tabulated"))
+
+
+def _worst(error: float) -> str:
+    return console.percent(error) if error < math.inf else "not fitted everywhere"
 
 
 def show(found: Any, path: Path) -> None:

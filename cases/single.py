@@ -12,7 +12,8 @@ from cases.batch.store import problems_with_folder
 from cases.casefile.profile_file import read_profile
 from cases.casefile.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress
 from cases.casefile.validation import suggestion
-from cases.options import checked, in_words_of_options, problems_with_output
+from cases.options import checked, in_words_of_options, problems_with_output, read_tolerance
+from contactlaws.curve import Curve
 from contactlaws.errors import InputError, Problem
 from contactlaws.files import write_text
 
@@ -75,24 +76,14 @@ def _rivals_of_a_profile(options: Mapping[str, Any]) -> Iterator[Problem]:
 
 def fit(curves: Sequence[Path], law: str | None, out: Path | None, sample: Mapping[str, Any]) -> None:
     """Fit a law to curves from files and say how well it went. `sample`: radius and constants that measured files leave out."""
-    from contactlaws.curve_files import read_curve
     from contactlaws.dispatch import laws
 
-    known, problems = checked(Sample, sample)
-    if not curves:
-        problems.append(Problem("CURVE", None, "is needed", "give one or several curve files, .csv or .parquet"))
+    found, problems = _curves(curves, sample)
     if law is None:
         problems.append(Problem("--law", None, "is needed", f"use one of: {', '.join(laws())}"))
     elif law not in laws():
         problems.append(Problem("--law", law, "is not a known law", suggestion(law, laws())))
     problems += problems_with_output("--out", out, (".json",), needed=False)
-    material = known.material() if known is not None else None
-    found = []
-    for path in curves:
-        try:
-            found.append(read_curve(path, radius=known.radius if known is not None else None, material=material))
-        except InputError as error:
-            problems += error.problems
     if law is None or problems:
         raise InputError(in_words_of_options(problems))
 
@@ -103,6 +94,44 @@ def fit(curves: Sequence[Path], law: str | None, out: Path | None, sample: Mappi
     if out is not None:
         fitted.save(result.fitted, out)
     console.show_fit(result, out)
+
+
+def fit_within(curves: Sequence[Path], law: str | None, tolerance: str, quantity: str, out: Path | None, sample: Mapping[str, Any]) -> None:
+    """Fit the cheapest law that differs from the curves by no more than `tolerance`, and say which were tried and how good they are."""
+    found, problems = _curves(curves, sample)
+    if law is not None:
+        problems.append(Problem("--law", law, "leaves nothing to choose for --tolerance", "give one of them"))
+    share, wrong = read_tolerance(tolerance)
+    problems += [*wrong, *problems_with_output("--out", out, (".json",), needed=False)]
+    if problems:
+        raise InputError(in_words_of_options(problems))
+
+    from calibration import law_choice
+    from contactlaws import fitted
+
+    with console.bar("laws, from the cheapest on") as progress:
+        choice = law_choice.fit_within(found, share, quantity, progress=progress)
+    if out is not None:
+        fitted.save(choice.fit.fitted, out)
+    console.show_trials(choice.trials, quantity, share)
+    console.show_fit(choice.fit, out)
+
+
+def _curves(paths: Sequence[Path], sample: Mapping[str, Any]) -> tuple[list[Curve], list[Problem]]:
+    """The curves of some files, as far as they can be read, and what is wrong."""
+    from contactlaws.curve_files import read_curve
+
+    known, problems = checked(Sample, sample)
+    if not paths:
+        problems.append(Problem("CURVE", None, "is needed", "give one or several curve files, .csv or .parquet"))
+    material = known.material() if known is not None else None
+    found = []
+    for path in paths:
+        try:
+            found.append(read_curve(path, radius=known.radius if known is not None else None, material=material))
+        except InputError as error:
+            problems += error.problems
+    return found, problems
 
 
 def impact(law: Path | None, options: Mapping[str, Any], out: Path | None) -> None:

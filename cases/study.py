@@ -33,8 +33,9 @@ def run_study(
 
     out: without it results/STUDY. jobs: processes, without it one for each core. scheduler: address of a Dask cluster in place of them.
     accept: asked with the number of tasks if they are more than 10 000; without it they are refused. take_over: use the folder even if it
-    holds the results of another study. tolerance: of every finite-element curve, in place of what the file says. Returns the record of each task by its name, such as "curves.press-E10-nu0.3"; failures are among
-    them. Tables of curves, unloadings and laws stand in the folder afterwards.
+    holds the results of another study. tolerance: of every finite-element curve, in place of what the file says. Returns the record of
+    each task by its name, such as "curves.press-E10-nu0.3"; failures are among them. Tables of curves, unloadings and laws stand in the
+    folder afterwards.
 
     Raises `InputError` with all that is wrong before anything is computed.
     """
@@ -69,7 +70,9 @@ def run_tasks(
         results.declare(folder, title, source, code_version(), tasks)
         records = runner.run(tasks, folder, workers, progress)
     progress.summarise(records.values())
-    tables.write(folder, tasks, records)
+    written = tables.write(folder, tasks, records)
+    if written:
+        print(f"tables: {', '.join(path.name for path in written)} in {folder}")
     return records
 
 

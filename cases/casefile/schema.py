@@ -21,6 +21,8 @@ Rate = Annotated[float, in_unit("1/s"), _positive]
 #: overlap over radius; the body ends at 1, and runs to 0.5 are verified
 Depth = Annotated[float, in_unit(""), Field(gt=0, lt=1, allow_inf_nan=False)]
 Aspect = Annotated[float, in_unit(""), Field(ge=0.1, le=10, allow_inf_nan=False)]
+#: of the mean force; the finest and the coarsest that the solver offers
+Tolerance = Annotated[float, in_unit(""), Field(ge=0.001, le=0.2, allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
 
 
@@ -49,9 +51,7 @@ class Body(Record):
         (), description="overlaps over radius to unload from, such as 0.05 and 0.1; the body ends at 1, and runs to 0.5 are verified"
     )
     max_overlap: Depth | None = Field(None, description="largest overlap over radius; without it the largest of unload_from")
-    tolerance: Annotated[float, in_unit("")] = Field(
-        0.01, ge=0.001, le=0.2, allow_inf_nan=False, description="relative error asked for, such as 0.01"
-    )
+    tolerance: Tolerance = Field(0.01, description="relative error asked for, such as 0.01")
 
 
 class CurveTable(Body):
@@ -89,6 +89,12 @@ class Sample(Record):
         if self.youngs_modulus is None or self.poissons_ratio is None:
             return None
         return Material(self.youngs_modulus, self.poissons_ratio, self.yield_stress)
+
+
+class ToleranceOption(Record):
+    """`--tolerance` of `fe2dem run`."""
+
+    tolerance: Tolerance = Field(description="relative error asked for, such as 0.01")
 
 
 class FitTable(Record):

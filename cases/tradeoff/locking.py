@@ -22,7 +22,7 @@ from fem.readout import WORK_SHARE, extrapolate, loading
 from fem.walk import walk
 
 #: E/Y and Poisson's ratio
-MATERIALS = ((100.0, 0.3), (100.0, 0.45))
+MATERIALS = ((100.0, 0.45), (1000.0, 0.3))
 LARGEST = 0.1
 DIVISIONS = (4, 8)  # each twice the one before
 POINTS = 4  # Gauss points of a cell
