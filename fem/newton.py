@@ -133,8 +133,8 @@ class Equilibrium:
         self.surface_dofs = 2 * section.surface + 1
         self.midplane_dofs = 2 * section.midplane + 1
         self.axis_dofs = 2 * section.axis
-        # what the strains' round-off (1e-16 of a stretch near 1) leaves of the nodal forces
-        self.round_off = 1e-15 * moduli[1] * np.sqrt(body.cells.shape[0])
+        # what the strains' round-off (1e-16 of a stretch near 1) leaves of the nodal forces; the mean dilatation's is an average
+        self.round_off = (1e-15 * moduli[1] + 1e-16 * moduli[0]) * np.sqrt(body.cells.shape[0])
         self.forces = np.empty(body.dofs)
         self.band = np.empty(body.band_shape)
 
