@@ -198,7 +198,7 @@ def _from_touch(nodes: FloatArray, values: FloatArray, limit: FloatArray) -> Cal
 
 
 def _power(share: FloatArray, exponent: FloatArray) -> FloatArray:
-    return np.where(share > 0.0, np.clip(share, 1e-300, 1.0) ** exponent, 0.0)
+    return np.where(share > 0.0, np.where(share > 0.0, share, 1.0) ** exponent, 0.0)
 
 
 def _response(atlas: Atlas, ready: Prepared, modulus_ratio: float | None, poissons_ratio: float) -> Response:

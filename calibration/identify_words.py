@@ -54,7 +54,7 @@ def _about(name: str, found: Interval) -> Iterator[str]:
     elif found.high is None:
         yield f"{word} is bounded from below only: at least {found.low:.4g} {unit}".rstrip()
     elif found.low is None:
-        yield f"{word} is bounded from above only: at most {found.high:.4g} {unit}".rstrip()
+        yield f"{word} is bounded from above only, within the atlas's E/Y: at most {found.high:.4g} {unit}".rstrip()
     elif name in ("youngs_modulus", "yield_stress") and found.high > WIDE * found.low:
         yield f"{word} is known to within a factor of {math.sqrt(found.high / found.low):.2g} only"
 

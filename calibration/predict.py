@@ -36,6 +36,8 @@ CLOSED_LAW = "whole_range"
 ROW_GROWTH = 1.1
 #: a tabulated law has an unloading at each THIN-th row of a response below the atlas's own
 THIN = 3
+#: times first yield from which on unloadings are stored: nearer, the little that is dissipated is lost in the errors of the shapes
+SAFE = 1.5
 #: where finite elements are unloaded from if the user does not say
 DEFAULT_STARTS = (0.01, 0.02, 0.03, 0.04, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 #: overlaps over the radius below are lost in the round-off of coordinates in any use of the curve
@@ -209,7 +211,7 @@ def _stored(response: Response, deepest: float) -> FloatArray:
     if response.yield_depth is None:
         return np.zeros(0)
     starts = np.concatenate((response.below[::-1][2::THIN][::-1], response.starts[response.below.size :]))
-    return starts[(starts > 1.02 * response.yield_depth) & (starts <= deepest)]
+    return starts[(starts > SAFE * response.yield_depth) & (starts <= deepest)]
 
 
 def law_errors(law: Any, curve: Curve) -> dict[str, float]:
