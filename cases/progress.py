@@ -62,9 +62,10 @@ class Progress:
 
     def started(self, task: Task) -> None:
         """A task has been handed to a process."""
-        self._shown[task.id] = self._bars.add_task(task.id, total=1.0, text="")
-        if self._few and not log.is_terminal:
-            log.print(f"started  {task.id}")
+        if self._few:  # beside long names, a narrow terminal has no room for how the whole run goes
+            self._shown[task.id] = self._bars.add_task(task.id, total=1.0, text="")
+            if not log.is_terminal:
+                log.print(f"started  {task.id}")
 
     def advanced(self, task: Task, fraction: float, text: str) -> None:
         """A task says how far it is; what a scene says before its first step stays on the screen."""
@@ -92,7 +93,7 @@ class Progress:
         now = time.monotonic()
         if self._whole is not None:
             self._bars.update(self._whole, completed=float(self._pace.done), text=self._pace.sentence())
-            if not log.is_terminal and now >= self._next_line:
+            if not log.is_terminal and now >= self._next_line and (self._next_line == 0.0 or self._pace.computed):
                 log.print(self._pace.sentence())
                 self._next_line, self._interval = now + self._interval, self._interval * SLOWER
         if self._folder is not None and now >= self._next_note:
