@@ -131,8 +131,8 @@ def over_area(study: Study, inside: dict[float, Inside]) -> Figure:
         axis.plot(radius / radius[0], force, color=colour, lw=1.2, label=f"{modulus:g}")
         opened = inside[modulus].opening if modulus in inside else None
         if opened is not None:
-            axis.plot(inside[modulus].equivalent_radius(), inside[modulus].force, "--", color=colour, lw=1.0)
-            axis.plot(inside[modulus].equivalent_radius()[opened], inside[modulus].force[opened], "v", color=colour, ms=5)
+            same_area, force_left = inside[modulus].equivalent_radius()[opened:], inside[modulus].force[opened:]
+            axis.plot(same_area, force_left, "v--", markevery=[0], color=colour, lw=1.0, ms=5)
     line = np.linspace(0.0, 1.0, 200)
     axis.plot(line, paper.mesarovic_johnson_force(line), "k", lw=1.8, label="Eq. 10")
     axis.plot(line, line**3, color=GREY, lw=1.2, ls="-.", label="Hertz")
