@@ -12,7 +12,7 @@ from cases.report.parts import figures, table, text
 from cases.tradeoff.elements import Measured
 from cases.tradeoff.fe_errors import Summary, Verdict
 from cases.tradeoff.fe_runs import QUANTITIES
-from cases.tradeoff.fe_settings import LEVELS, Plan
+from cases.tradeoff.fe_settings import USUAL, Plan
 from cases.tradeoff.locking import Locked
 from cases.tradeoff.pareto import MARKERS, Panel, Point, draw
 
@@ -21,7 +21,7 @@ NAMES = {
     "force": "force",
     "contact_radius": "contact radius",
     "unloading_stiffness": "unloading stiffness ρ",
-    "unloading_exponent": "unloading exponent α (absolute)",
+    "unloading_exponent": "exponent α (absolute, 1 % is 0.01)",
     "recovered_energy": "recovered energy",
 }
 #: how a reading is called in pictures
@@ -86,12 +86,18 @@ def _depth(depth: Depth) -> Iterator[Block]:
 def _readings(depth: Depth) -> Iterator[Block]:
     """What smoothing and the second mesh bring, and cost, on one mesh."""
     named = {(one.setting, one.reading, one.quantity): one for one in depth.summaries}
-    meshes = [setting.name for setting in depth.plan.settings if (setting.name, "raw", "force") in named and setting.name.isdigit()]
+    meshes = [setting.name for setting in depth.plan.settings if (setting.name, "raw", "force") in named and setting.group == USUAL]
     rows = []
     for mesh in meshes:
         for reading, words in READING_NAMES.items():
             values = [percent(named[mesh, reading, name].error, absolute=name == "unloading_exponent") for name in QUANTITIES]
-            rows.append((f"{mesh} divisions, {words}", f"{named[mesh, reading, 'force'].cost:.3g}", *values))
+            rows.append(
+                (
+                    f"{named[mesh, reading, 'force'].resolution.divisions} divisions, {words}",
+                    f"{named[mesh, reading, 'force'].cost:.3g}",
+                    *values,
+                )
+            )
     if rows:
         yield table(("smoothing", "CPU s", *(NAMES[name] for name in QUANTITIES)), rows)
 
@@ -104,8 +110,7 @@ def _all(found: Sequence[Summary]) -> Block:
         one = named[setting, "force"]
         divisions, steps = one.resolution
         values = [percent(named[setting, name].error, absolute=name == "unloading_exponent") for name in QUANTITIES]
-        label = f"level {setting}" if one.group == LEVELS else setting
-        rows.append((label, str(divisions), f"{steps.first:.3g}, {steps.growth:.3g}, {steps.force_drop:.3g}", f"{one.cost:.3g}", *values))
+        rows.append((setting, str(divisions), f"{steps.first:.3g}, {steps.growth:.3g}, {steps.force_drop:.3g}", f"{one.cost:.3g}", *values))
     return table(
         ("choice, two meshes", "divisions", "steps: first, growth, force drop", "CPU s", *(NAMES[name] for name in QUANTITIES)), rows
     )
@@ -183,11 +188,9 @@ def _points(found: Sequence[Summary], quantity: str) -> Iterator[Point]:
         if one.quantity != quantity:
             continue
         if one.reading == "two meshes":
-            group = {"mesh, usual steps": READING_NAMES["two meshes"], "mesh, long steps": "two meshes, long steps"}.get(
-                one.group, one.group
-            )
+            group = {USUAL: READING_NAMES["two meshes"], "mesh, long steps": "two meshes, long steps"}.get(one.group, one.group)
             yield Point(one.setting, group, one.cost, one.error)
-        elif one.group == "mesh, usual steps":
+        elif one.group == USUAL:
             yield Point(one.setting, READING_NAMES[one.reading], one.cost, one.error)
 
 

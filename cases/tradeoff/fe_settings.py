@@ -12,6 +12,7 @@ from fem.press import RESOLUTIONS, Resolution
 #: E/Y and Poisson's ratio
 MATERIALS = ((10.0, 0.3), (100.0, 0.3), (1000.0, 0.3), (100.0, 0.45))
 LEVELS = "levels of tolerance"
+USUAL = "mesh, usual steps"
 
 
 class Programme(NamedTuple):
@@ -81,7 +82,7 @@ def steps_plan() -> Plan:
 
 def _plan(unload_from: tuple[float, ...], materials: tuple[tuple[float, float], ...], meshes: tuple[int, ...], finest: int) -> Plan:
     programmes = tuple(Programme(ratio, nu, unload_from) for ratio, nu in materials)
-    settings = [*_levels(finest), *_meshes(meshes)]
+    settings = [*_meshes(meshes), *_levels(finest)]
     reference = Setting("finest", f"{finest} divisions, short steps", Resolution(finest, shorter(usual())))
     return Plan(max(unload_from), programmes, tuple(_once(settings)), reference)
 
@@ -103,21 +104,22 @@ def _levels(finest: int) -> Iterator[Setting]:
     """Those of the solver that are coarser than the finest mesh here."""
     for tolerance, resolution in RESOLUTIONS:
         if resolution.divisions < finest:
-            yield Setting(LEVELS, f"{100 * tolerance:g} %", resolution)
+            yield Setting(LEVELS, f"level {100 * tolerance:g} %", resolution)
 
 
 def _meshes(meshes: tuple[int, ...]) -> Iterator[Setting]:
     """With the steps of the coarsest level, and with longer ones where the mesh is too coarse for anything else to matter."""
     for divisions in meshes:
-        yield Setting("mesh, usual steps", f"{divisions}", Resolution(divisions, usual()))
+        yield Setting(USUAL, f"{divisions}", Resolution(divisions, usual()))
         if divisions <= 8:
             yield Setting("mesh, long steps", f"{divisions} long", Resolution(divisions, longer(usual())))
 
 
 def _once(settings: list[Setting]) -> Iterator[Setting]:
-    """Each resolution under its first name."""
-    seen: set[Resolution] = set()
+    """Each resolution once, under all of its names."""
+    names: dict[Resolution, list[str]] = {}
     for setting in settings:
-        if setting.resolution not in seen:
-            seen.add(setting.resolution)
-            yield setting
+        names.setdefault(setting.resolution, []).append(setting.name)
+    for setting in settings:
+        if setting.name == names[setting.resolution][0]:
+            yield setting._replace(name=", ".join(names[setting.resolution]))
