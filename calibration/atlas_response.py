@@ -150,8 +150,13 @@ class Response:
         return _power(share, shape_exponent(self._unloading(start)[..., SHAPE], share))
 
     def edge(self, start: npt.ArrayLike, share: FloatArray) -> FloatArray:
-        """Contact area over its value at the start; (starts..., shares)."""
-        return _power(share, area_exponent(self._unloading(start)[..., EDGE], np.maximum(share, 1e-300)))
+        """Contact area over its value at the start; (starts..., shares). It never grows on the way back: over the `share` given, the little
+        by which the fitted exponents let it is taken off.
+        """
+        found = _power(share, area_exponent(self._unloading(start)[..., EDGE], np.maximum(share, 1e-300)))
+        order = np.argsort(share)
+        found[..., order] = np.minimum(np.maximum.accumulate(found[..., order], axis=-1), 1.0)
+        return found
 
     def _along_loading(self, depth: FloatArray, column: int) -> FloatArray:
         x = np.maximum(np.atleast_1d(depth).ravel(), 1e-300)

@@ -74,7 +74,7 @@ def test_a_deeper_contact_pushes_harder_is_wider_and_gives_back_no_more_than_it_
     given_back = force[-1] * recovered[-1] * np.trapezoid(found.shape(DEEPEST, share), share)
     assert given_back <= np.trapezoid(force, DEPTHS) * (1.0 + 2e-3)  # the trapezoids' own error
     assert (np.diff(found.shape(DEEPEST, share)) > 0.0).all()
-    assert (np.diff(found.edge(DEEPEST, share)) > -1e-3).all()  # where the contact retreats, between two nodes, it scatters by that
+    assert (np.diff(found.edge(DEEPEST, share)) >= 0.0).all()
 
 
 @settings(deadline=None, max_examples=25)
