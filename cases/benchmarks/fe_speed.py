@@ -43,6 +43,19 @@ def press(material: Material, unload_from: tuple[float, ...]) -> Cost:
     return Cost(curve, time.process_time() - began)
 
 
+def where(curve: Curve) -> str:
+    """Where the time of a curve went: CPU seconds of both meshes, and counts."""
+    meshes = curve.provenance["statistics"].values()
+    total = {name: sum(mesh[name] for mesh in meshes) for name in next(iter(meshes))}
+    kernel = total["forces"] + total["stiffness"] + total["history"]
+    rest = curve.provenance["cpu_seconds"] - kernel - total["factorisation"] - total["solution"] - total["contact"]
+    return (
+        f"element kernels {kernel:.2f}, factorisation {total['factorisation']:.2f}, solution {total['solution']:.2f}, "
+        f"contact search {total['contact']:.2f}, rest {rest:.2f}; {total['steps']} steps, {total['rejected']} cut, "
+        f"{total['iterations']} iterations, {total['factorisations']} factorisations"
+    )
+
+
 def by_calculix(material: Material, curve: Curve) -> calculix.Result:
     """The same loading and unloading by CalculiX, with as many nodes on the surface as our finer mesh has."""
     rows = curve.rows(1)
@@ -104,6 +117,7 @@ def main(arguments: list[str] | None = None) -> None:
             print(
                 f"E/Y {ratio:5g} {name:28s}{cost.cpu_seconds:7.2f} CPU s, {cost.cpu_seconds / goal:5.2f} of the goal{stopped}", flush=True
             )
+            print(f"          {where(cost.curve)}")
             if compare and overlaps == SHALLOW:
                 print(f"          {_beside(material, cost)}", flush=True)
 
