@@ -79,7 +79,8 @@ def _panel(axis: Axes, panel: Panel, groups: Sequence[str]) -> None:
     axis.margins(0.14)
     axis.yaxis.set_major_formatter(FuncFormatter(_percent))
     axis.yaxis.set_minor_formatter(NullFormatter())
-    axis.xaxis.set_major_locator(LogLocator(subs=(1.0,)))
+    for scale in (axis.xaxis, axis.yaxis):
+        scale.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.xaxis.set_minor_formatter(NullFormatter())
     axis.grid(True, which="major", color="#ececec", lw=0.6)
