@@ -74,7 +74,7 @@ def targets(curves: list[Curve]) -> Targets:
     rows = [row for curve in curves for branch in curve.unloadings if (row := _row(curve, branch)) is not None]
     digest = hashlib.sha256("".join(sorted(curve.content_hash for curve in curves)).encode()).hexdigest()[:16]
     columns: list[Any] = [np.array(column) for column in zip(*rows, strict=True)]
-    return Targets(*columns, digest)
+    return Targets._make((*columns, digest))
 
 
 def _row(curve: Curve, branch: int) -> tuple[float | bool | FloatArray, ...] | None:

@@ -65,8 +65,10 @@ def main() -> None:
     """Print the table for the constants in place."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--compact", action="store_true", help="of the law with 20 constants")
     options = parser.parse_args()
-    print(report(whole_range_constants.WHOLE, targets(read_folder(options.folder))))
+    constants = whole_range_constants.COMPACT if options.compact else whole_range_constants.WHOLE
+    print(report(constants, targets(read_folder(options.folder))))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
     python -m calibration.whole_range_fit FOLDER [--unseen FOLDER] [--dry]
 
 The elastic factors come first, from what the curves say before yield (linear least squares); then everything else together by least
-squares of the fourth powers (so that the worst points count), from the constants in place. FOLDER of --unseen is only judged.
+squares of the fourth powers (so that the worst points count), from the constants in place. The compact law likewise. FOLDER of --unseen
+is only judged.
 """
 
 from __future__ import annotations
@@ -28,29 +29,54 @@ FloatArray = npt.NDArray[np.float64]
 
 #: what the residuals are measured in: the relative errors aimed at, about the 75th to 90th percentile
 UNITS = {"load": 0.012, "contact_radius": 0.010, "recovered": 0.014, "exponent": 0.012, "energy": 0.02, "shape": 0.004, "area": 0.2}
+QUANTITIES = tuple(UNITS)
 #: residuals beyond this many units count no more: a start far away, or a point where the law is not defined
 CAP = 50.0
 #: the states at which the law must not give energy away, and must load with a growing force
-GUARD_MODULUS, GUARD_DEPTH = np.geomspace(1.0, 1e5, 16), np.geomspace(1e-5, 0.9, 48)
+GUARD_MODULUS, GUARD_DEPTH = np.geomspace(1.0, 1e5, 16), np.geomspace(1e-5, 0.6, 40)
 GUARD_NU = (0.0, 0.25, 0.4999)
-ELASTIC = tuple(f"{what}_{power}{nu}" for what in ("force", "area") for power in (1, 2, 3) for nu in ("", "_nu", "_nu2"))
+ELASTIC = tuple(f"{what}_{power}{nu}" for what in ("force", "area") for power in (1, 2, 3) for nu in ("", "_nu", "_nu2"))[:-1]
 YIELD = ("yield_1", "yield_2")
 POWERS = (1, 2, 6)  # of sqrt(D), in the elastic factors
+#: the compact law: 20 constants for loading and unloading stiffness; its plastic unloading goes from s^1.5 to a bar's s, without any
+COMPACT_FREE = (
+    "force_1", "force_1_nu", "force_2", "force_3", "force_3_nu", "yield_1", "yield_2",
+    "indentation_1", "indentation_2", "upsetting_1", "upsetting_2", "lag_upset", "onset", "onset_upset",
+    "spread_2", "widening_1", "recovery", "recovery_depth", "fading", "fading_upset",
+)  # fmt: skip
+COMPACT_FIXED = dict.fromkeys(("growth", "growth_upset", "round", "turn_area", "turn_recovery", "turn_shape"), 1.0)
+COMPACT_START = {
+    "indentation_1": 1.0, "indentation_2": 3.0, "upsetting_1": 0.05, "upsetting_2": 0.3, "lag_upset": 0.4, "onset": 0.03,
+    "onset_upset": 0.2, "spread_2": 1.5, "widening_1": 0.7, "recovery": 2.5, "recovery_depth": 3.0, "fading": 5.0, "fading_upset": 2.3,
+}  # fmt: skip
 
 
-def elastic_constants(curves: Sequence[Curve]) -> dict[str, float]:
-    """The elastic factors: linear least squares, reweighted towards the largest relative error being least."""
+def elastic_constants(curves: Sequence[Curve], names: Sequence[str] = ELASTIC) -> dict[str, float]:
+    """The elastic factors of these names: linear least squares, reweighted towards the largest relative error being least."""
     found: dict[str, float] = {}
-    for quantity, names in (("force", ELASTIC[:9]), ("area", ELASTIC[9:])):
+    for quantity in ("force", "area"):
+        terms = [name for name in names if name.startswith(quantity)]
+        if not terms:
+            continue
         t, nu, ratio = _elastic_ratios(curves, quantity)
-        matrix = np.stack([t**a * nu**b for a in POWERS for b in range(3)], axis=1) / ratio[:, None]
+        matrix = np.stack([t ** POWERS[_order(term)] * nu ** _degree(term) for term in terms], axis=1) / ratio[:, None]
         weight = np.ones(ratio.size)
         for _ in range(60):
             solution = np.linalg.lstsq(matrix * weight[:, None], (1.0 - 1.0 / ratio) * weight, rcond=None)[0]
             miss = abs(matrix @ solution - (1.0 - 1.0 / ratio))
-            weight = np.sqrt(miss / miss.mean() + 0.1)
-        found |= dict(zip(names, solution.tolist(), strict=True))
+            weight = np.sqrt(miss / max(float(miss.mean()), 1e-300) + 0.1)
+        found |= dict(zip(terms, solution.tolist(), strict=True))
     return found
+
+
+def _order(term: str) -> int:
+    """Place in `POWERS` of an elastic constant, by the number in its name."""
+    return int(term.split("_")[1]) - 1
+
+
+def _degree(term: str) -> int:
+    """The power of nu that an elastic constant multiplies, by the end of its name."""
+    return 2 if term.endswith("_nu2") else 1 if term.endswith("_nu") else 0
 
 
 def yield_constants(wanted: Targets) -> dict[str, float]:
@@ -87,7 +113,7 @@ def _elastic_ratios(curves: Sequence[Curve], quantity: str) -> tuple[FloatArray,
     return t, nu, ratio
 
 
-def residuals(constants: Constants, wanted: Targets, power: float) -> FloatArray:
+def residuals(constants: Constants, wanted: Targets, power: float, quantities: Sequence[str] = QUANTITIES) -> FloatArray:
     """All residuals in `UNITS`, so that their squares are the `power`-th powers of the errors; and those of `guards`."""
     with np.errstate(all="ignore"):
         found = evaluate(constants, wanted.modulus, wanted.poissons_ratio, wanted.depth, wanted.s)
@@ -98,7 +124,7 @@ def residuals(constants: Constants, wanted: Targets, power: float) -> FloatArray
         parts["exponent"] = (difference * slope).sum(axis=1) / (slope * slope).sum(axis=1) / wanted.exponent
         parts["shape"] = difference / np.sqrt(wanted.s.shape[1])
         parts["area"] = (found.area - wanted.area) / np.sqrt(wanted.s.shape[1])
-        rows = [(parts[name] / unit).ravel() for name, unit in UNITS.items()] + [guards(constants)]
+        rows = [(parts[name] / unit).ravel() for name, unit in UNITS.items() if name in quantities] + [guards(constants)]
         values = np.nan_to_num(np.concatenate(rows), nan=CAP, posinf=CAP, neginf=-CAP).clip(-CAP, CAP)
     return np.sign(values) * abs(values) ** (0.5 * power)
 
@@ -123,16 +149,43 @@ def guards(constants: Constants) -> FloatArray:
     return np.concatenate(parts)
 
 
-def fit(constants: dict[str, float], free: Sequence[str], wanted: Targets, power: float, evaluations: int) -> dict[str, float]:
+def fit(
+    constants: dict[str, float],
+    free: Sequence[str],
+    wanted: Targets,
+    power: float,
+    evaluations: int,
+    quantities: Sequence[str] = QUANTITIES,
+) -> dict[str, float]:
     """Least squares over the constants named in `free`, from those given."""
     base = dict(constants)
 
     def difference(values: FloatArray) -> FloatArray:
-        return residuals(Constants(**(base | dict(zip(free, values.tolist(), strict=True)))), wanted, power)
+        return residuals(Constants(**(base | dict(zip(free, values.tolist(), strict=True)))), wanted, power, quantities)
 
     start = np.array([constants[name] for name in free])
-    found = least_squares(difference, start, x_scale=np.maximum(abs(start), 0.1), max_nfev=evaluations, ftol=1e-5, xtol=1e-6)
+    found = least_squares(difference, start, x_scale=np.maximum(abs(start), 0.1), max_nfev=evaluations, ftol=1e-7, xtol=1e-7)
     return base | dict(zip(free, found.x.tolist(), strict=True))
+
+
+def fitted(curves: Sequence[Curve], wanted: Targets, evaluations: int) -> dict[str, float]:
+    """The constants of the whole law: what is elastic and first yield on their own, then all others together."""
+    constants = dict(whole_range_constants.WHOLE) | elastic_constants(curves) | yield_constants(wanted)
+    free = [name for name in Constants._fields if name not in (*ELASTIC, *YIELD)]
+    for power in (2.0, 4.0):
+        constants = fit(constants, free, wanted, power, evaluations)
+    return constants
+
+
+def fitted_compact(curves: Sequence[Curve], wanted: Targets, evaluations: int) -> dict[str, float]:
+    """The constants of the compact law, for loading and unloading stiffness: `COMPACT_FREE`, all others as in `COMPACT_FIXED`."""
+    elastic = [name for name in COMPACT_FREE if name in ELASTIC]
+    constants = dict.fromkeys(Constants._fields, 0.0) | COMPACT_FIXED | COMPACT_START
+    constants |= elastic_constants(curves, elastic) | yield_constants(wanted)
+    free = [name for name in COMPACT_FREE if name not in (*elastic, *YIELD)]
+    for power in (2.0, 4.0):
+        constants = fit(constants, free, wanted, power, evaluations, ("load", "contact_radius", "recovered"))
+    return constants
 
 
 def main() -> None:
@@ -145,20 +198,18 @@ def main() -> None:
     options = parser.parse_args()
     curves = read_folder(options.folder)
     wanted, began = targets(curves), time.process_time()
-    constants = dict(whole_range_constants.WHOLE) | elastic_constants(curves) | yield_constants(wanted)
-    free = [name for name in Constants._fields if name not in (*ELASTIC, *YIELD)]
-    for power in (2.0, 4.0):
-        constants = fit(constants, free, wanted, power, options.evaluations)
-        print(f"power {power:g}: {time.process_time() - began:.0f} CPU s", flush=True)
     unseen = None if options.unseen is None else targets(read_folder(options.unseen))
-    print(report(constants, wanted, unseen))
+    whole = fitted(curves, wanted, options.evaluations)
+    print(f"whole law, {len(whole)} constants\n{report(whole, wanted, unseen)}", flush=True)
+    compact = fitted_compact(curves, wanted, options.evaluations)
+    print(f"compact law, {len(COMPACT_FREE)} constants\n{report(compact, wanted, unseen)}")
+    print(f"{time.process_time() - began:.0f} CPU s")
     if not options.dry:
-        write(constants, wanted.hash, f"python -m calibration.whole_range_fit {options.folder.name}")
+        write(whole, compact, wanted.hash, f"python -m calibration.whole_range_fit {options.folder.name}")
 
 
-def write(constants: dict[str, float], curves: str, command: str) -> Path:
+def write(whole: dict[str, float], compact: dict[str, float], curves: str, command: str) -> Path:
     """The generated file."""
-    compact = dict(whole_range_constants.COMPACT)
     lines = [
         '"""Global constants of the whole-range law. GENERATED by the command below: do not edit."""',
         "",
@@ -166,7 +217,7 @@ def write(constants: dict[str, float], curves: str, command: str) -> Path:
         f'CURVES = "{curves}"  # hash of the curves that they were fitted to',
         "",
         "WHOLE = {",
-        *(f'    "{name}": {float(f"{constants[name]:.6g}")!r},' for name in Constants._fields),
+        *(f'    "{name}": {float(f"{whole[name]:.6g}")!r},' for name in Constants._fields),
         "}",
         "COMPACT = {",
         *(f'    "{name}": {float(f"{compact[name]:.6g}")!r},' for name in Constants._fields),

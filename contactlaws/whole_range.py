@@ -16,7 +16,7 @@ from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
 from contactlaws.errors import Problem, require
 from contactlaws.material import Material, problems_with
-from contactlaws.whole_range_constants import WHOLE
+from contactlaws.whole_range_constants import COMPACT, WHOLE
 from contactlaws.whole_range_loading import (
     elastic_area,
     elastic_load,
@@ -28,11 +28,13 @@ from contactlaws.whole_range_loading import (
     loading_work,
     plastic_limit,
 )
-from contactlaws.whole_range_record import Constants, WholeRange, coefficients
+from contactlaws.whole_range_record import Constants, WholeRange, WholeRangeCompact, coefficients
 from contactlaws.whole_range_unloading import recovered_depth, retreat, shape, shape_slope, shape_terms, shape_work
 
-#: the law is defined below this overlap over the radius; a body pressed further keeps this depth's formulas (they diverge at 1)
-DEEPEST = 0.95
+#: overlap over the radius up to which the formulas are held against curves and guarded in the fit
+DEEPEST = 0.6
+#: a body pressed to more than this overlap over the radius is kept there: at 1 nothing of it is left
+END = 0.99
 
 
 def whole_range(material: Material, radius: float) -> WholeRange:
@@ -43,6 +45,11 @@ def whole_range(material: Material, radius: float) -> WholeRange:
     True
     """
     return WholeRange(*_values(WHOLE, material, radius))
+
+
+def whole_range_compact(material: Material, radius: float) -> WholeRangeCompact:
+    """`whole_range` made from 20 constants, for loading and unloading stiffness: the same formulas, less accurate."""
+    return WholeRangeCompact(*_values(COMPACT, material, radius))
 
 
 def _values(constants: dict[str, float], material: Material, radius: float) -> tuple[float, ...]:
@@ -60,36 +67,52 @@ def _values(constants: dict[str, float], material: Material, radius: float) -> t
 
 
 @kernel
-def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
-    """Loading branch, or unloading from the largest overlap."""
-    if overlap <= 0.0:
-        return 0.0, (0.0, 0.0, 0.0)
-    depth = min(overlap / law.radius, DEEPEST)
-    if overlap >= state[0]:
-        return law.force_unit * loading_load(law, depth), (overlap, 0.0, 0.0)
-    largest = min(state[0] / law.radius, DEEPEST)
-    if largest <= law.yield_depth:
-        return law.force_unit * elastic_load(law, depth), (state[0], 0.0, 0.0)
-    if state[2] == 0.0:
-        load, phi, upset = loading(law, largest)
-        recovered = recovered_depth(law, largest, load, phi, upset, loading_area(law, largest, phi, upset))
-    else:
-        load, recovered = state[1], state[2]
-        phi, upset = load / elastic_load(law, largest), plastic_limit(law, largest)[1]
-    s = 1.0 - (largest - depth) / recovered
-    after = (state[0], load, recovered)
-    if s <= 0.0:
-        return 0.0, after
-    return law.force_unit * load * shape(shape_terms(law, largest, phi, upset), s), after
+def stretch(depth):  # type: ignore[no-untyped-def]
+    """Beyond `DEEPEST` the body is a bar of constant volume: force and area grow by this factor, and the recovery falls by it."""
+    return (1.0 - DEEPEST) / (1.0 - depth) if depth > DEEPEST else 1.0
 
 
 @kernel
 def unloading(law, depth):  # type: ignore[no-untyped-def]
     """All that unloading from `depth` needs: f, phi, the area, the recovery, the terms of the shape."""
-    load, phi, upset = loading(law, depth)
-    area = loading_area(law, depth, phi, upset)
-    recovered = recovered_depth(law, depth, load, phi, upset, area)
-    return load, phi, area, recovered, shape_terms(law, depth, phi, upset)
+    at, factor = min(depth, DEEPEST), stretch(depth)
+    load, phi, upset = loading(law, at)
+    area = loading_area(law, at, phi, upset)
+    recovered = recovered_depth(law, at, load, phi, upset, area)
+    return load * factor, phi, area * factor, recovered / factor, shape_terms(law, at, phi, upset)
+
+
+@kernel
+def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
+    """Loading branch, or unloading from the largest overlap."""
+    if overlap <= 0.0:
+        return 0.0, (0.0, 0.0, 0.0)
+    depth = overlap / law.radius
+    if overlap >= state[0]:
+        return law.force_unit * any_load(law, depth), (overlap, 0.0, 0.0)
+    largest = min(state[0] / law.radius, END)
+    if largest <= law.yield_depth:
+        return law.force_unit * elastic_load(law, depth), (state[0], 0.0, 0.0)
+    if state[2] == 0.0:
+        load, _, _, recovered, terms = unloading(law, largest)
+    else:
+        load, recovered = state[1], state[2]
+        at = min(largest, DEEPEST)
+        phi = load / (stretch(largest) * elastic_load(law, at))
+        terms = shape_terms(law, at, phi, plastic_limit(law, at)[1])
+    s = min(1.0, 1.0 - (largest - depth) / recovered)
+    after = (state[0], load, recovered)
+    if s <= 0.0:
+        return 0.0, after
+    return law.force_unit * load * shape(terms, s), after
+
+
+@kernel
+def any_load(law, depth):  # type: ignore[no-untyped-def]
+    """f on the loading branch, at any depth."""
+    if depth <= DEEPEST:
+        return loading_load(law, depth)
+    return loading_load(law, DEEPEST) * stretch(min(depth, END))
 
 
 @kernel
@@ -97,28 +120,31 @@ def whole_range_contact_radius(law, overlap, state):  # type: ignore[no-untyped-
     """See the module; elastic up to first yield."""
     if overlap <= 0.0:
         return 0.0
-    depth, largest = min(overlap / law.radius, DEEPEST), min(max(overlap, state[0]) / law.radius, DEEPEST)
+    depth, largest = min(overlap / law.radius, END), min(max(overlap, state[0]) / law.radius, END)
     if largest <= law.yield_depth:
         return law.radius * math.sqrt(elastic_area(law, depth))
     _, phi, area, recovered, _ = unloading(law, largest)
     s = max(0.0, 1.0 - (largest - depth) / recovered)
-    return law.radius * math.sqrt(area * retreat(law, largest, phi, s))
+    return law.radius * math.sqrt(area * retreat(law, min(largest, DEEPEST), phi, s))
 
 
 @kernel
 def whole_range_energy(law, overlap, state):  # type: ignore[no-untyped-def]
     """Stored: what unloading gives back. Dissipated: work of the loading less all that can be got back."""
-    largest = min(max(overlap, state[0]) / law.radius, DEEPEST)
-    if largest <= 0.0:
+    reached = max(overlap, state[0]) / law.radius
+    if reached <= 0.0:
         return 0.0, 0.0
-    unit = law.force_unit * law.radius
-    depth = min(max(overlap, 0.0) / law.radius, DEEPEST)
+    unit, largest, depth = law.force_unit * law.radius, min(reached, END), max(overlap / law.radius, 0.0)
     if largest <= law.yield_depth:
         return unit * elastic_work(law, depth), 0.0
     load, _, _, recovered, terms = unloading(law, largest)
-    s = max(0.0, 1.0 - (largest - depth) / recovered)
-    recoverable = load * recovered * shape_work(terms, 1.0)
-    return unit * load * recovered * shape_work(terms, s), unit * (loading_work(law, largest) - recoverable)
+    s = max(0.0, 1.0 - (largest - min(depth, END)) / recovered)
+    work = loading_work(law, min(largest, DEEPEST))
+    if largest > DEEPEST:
+        work += loading_load(law, DEEPEST) * (1.0 - DEEPEST) * math.log((1.0 - DEEPEST) / (1.0 - largest))
+    lost = work - load * recovered * shape_work(terms, 1.0)
+    # beyond the end the force stays, and is got back
+    return unit * load * (recovered * shape_work(terms, s) + max(0.0, depth - END)), unit * lost
 
 
 @kernel
@@ -128,7 +154,7 @@ def whole_range_stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
     Loading, f = f_el phi: over one step no steeper than the largest f_el' times the largest phi, and what a growing phi adds. Unloading is
     steepest where it starts or ends; the 64 steps find the maximum over the largest overlap within a part in a hundred, which is added.
     """
-    top = min(max(overlap, 0.0) / law.radius, DEEPEST)
+    top = min(max(overlap, 0.0) / law.radius, END)
     limit = law.yield_depth
     largest = 0.0
     for i in range(1, 34):
@@ -137,10 +163,11 @@ def whole_range_stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
         before, share, stiffness = limit, 1.0, elastic_slope(law, limit)
         for i in range(1, 65):
             depth = limit * (top / limit) ** (i / 64.0)
+            at, factor = min(depth, DEEPEST), stretch(depth)
             load, phi, _, recovered, terms = unloading(law, depth)
-            slope = elastic_slope(law, depth)
-            growth = max(0.0, phi - share) / (depth - before) * elastic_load(law, depth)
-            largest = max(largest, max(stiffness, slope) * max(share, phi) + growth)
+            slope = elastic_slope(law, at)
+            growth = max(0.0, phi - share) / (depth - before) * elastic_load(law, at)
+            largest = max(largest, factor * (max(stiffness, slope) * max(share, phi) + growth) + load / (1.0 - depth) * (factor > 1.0))
             for s in (0.0, 0.25, 0.5, 0.75, 1.0):
                 largest = max(largest, 1.01 * load / recovered * shape_slope(terms, s))
             before, share, stiffness = depth, phi, slope
@@ -148,7 +175,7 @@ def whole_range_stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
 
 
 def _problems(law: Any) -> list[Problem]:
-    names = ("youngs_modulus", "yield_stress", "force_unit", "stiffness", "yield_depth", "yield_load", "compliance", "punch")
+    names = ("youngs_modulus", "yield_stress", "force_unit", "stiffness", "yield_depth", "yield_load", "compliance")
     return [
         Problem(name, getattr(law, name), "must be positive and finite", "make the record from its material")
         for name in names
@@ -160,3 +187,4 @@ _FUNCTIONS = (whole_range_force, whole_range_contact_radius, whole_range_energy,
 _MEMORY = ("largest_overlap", "largest_load", "recovered_depth")
 _SOURCE = "fitted to this project's finite-element curves; limits of Hertz 1882 and of Mesarovic & Johnson 2000"
 register(Law("whole_range", WholeRange, *_FUNCTIONS, _MEMORY, _SOURCE, _problems))
+register(Law("whole_range_compact", WholeRangeCompact, *_FUNCTIONS, _MEMORY, _SOURCE, _problems))

@@ -2,8 +2,8 @@
 
 Plastic limit P: the lesser of what indentation of a half-space takes (similarity: p = 2.84 Y on a^2 = 2.86 R d, f = 8.12 D) and what
 upsetting of the whole body takes (a bar of equal volume at yield, 2/(3 (1 - D)), towards D = 1), each with the finite body's factor.
-Force: with s = f_el/P and s_Y the same at first yield, f_el/f = 1 + c {[1 + (z/c)^m]^(1/m) - 1}, z^1.5 = s^1.5 - s_Y^1.5: exactly
-elastic before, the same slope at yield (m > 1.5), towards P far beyond. Width c and sharpness m go from indentation to upsetting.
+Force: with s = f_el/P and z what s exceeds its value at first yield by, f_el/f = 1 + z^2 (z + a)/(z^2 + (a + b) z + c): exactly elastic
+before yield, the same slope there, towards P far beyond. The lag b, the onset c and the bend a go from indentation to upsetting.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from contactlaws.compiled import kernel
 #: similarity regime of the fully plastic indentation by a sphere: mean pressure over Y, a^2/(R d), and their product
 PRESSURE, AREA = 2.84, 2.86
 INDENTATION = PRESSURE * AREA
-#: the sharpness stays above, so that the slope is continuous at yield; the width too
-LEAST_SHARPNESS, LEAST_WIDTH = 1.6, 0.02
+#: the onset stays above, so that the slope is continuous at yield
+LEAST_ONSET = 0.001
 #: for integrals of the loading branch: 12 panels of 8 points leave less than 1e-12 of the work
 _NODES, _SHARES = np.polynomial.legendre.leggauss(8)
 _PANELS = 12
@@ -63,7 +63,7 @@ def elastic_slope(law, depth):  # type: ignore[no-untyped-def]
 def plastic_limit(law, depth):  # type: ignore[no-untyped-def]
     """P, and the share of upsetting in it, from 0 (indentation) to 1. An eighth power and root are cheap and sharp enough."""
     h = 1.0 - depth
-    local = INDENTATION * depth / (1.0 + law.indentation_1 * math.sqrt(depth) + law.indentation_2 * depth)
+    local = INDENTATION * depth / (h * (1.0 + law.indentation_1 * math.sqrt(depth) + law.indentation_2 * depth))
     whole = (1.0 - h * (law.upsetting_1 + h * (law.upsetting_2 + h * law.upsetting_3))) / (1.5 * h)
     ratio = local / whole
     ratio *= ratio
@@ -72,26 +72,14 @@ def plastic_limit(law, depth):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def above(value, bound):  # type: ignore[no-untyped-def]
-    """`value` where it is well above `bound`, smoothly towards `bound` below."""
-    x = value - bound
-    return bound + 0.5 * (x + math.sqrt(x * x + 0.01))
-
-
-@kernel
 def elastic_share(law, depth, elastic, limit, upset):  # type: ignore[no-untyped-def]
     """phi = f/f_el beyond yield, from the elastic force, the plastic limit and the share of upsetting."""
-    s = elastic / limit
-    width = above(law.width + upset * (law.width_upset - law.width + law.width_upset_depth * depth), LEAST_WIDTH)
-    sharpness = above(law.sharpness + upset * (law.sharpness_upset - law.sharpness + law.sharpness_upset_depth * depth), LEAST_SHARPNESS)
-    start = law.yield_load
-    power = max(0.0, s * math.sqrt(s) - start * math.sqrt(start)) / (width * math.sqrt(width))  # (z/c)^1.5
-    exponent = sharpness / 1.5
-    if power < 1.0:
-        behind = (1.0 + power**exponent) ** (1.0 / sharpness)
-    else:  # far beyond yield the power alone would overflow
-        behind = power ** (1.0 / 1.5) * (1.0 + power**-exponent) ** (1.0 / sharpness)
-    return 1.0 / (1.0 + width * (behind - 1.0))
+    z = elastic / limit - law.yield_load
+    lag = law.lag + upset * (law.lag_upset - law.lag + law.lag_upset_depth * depth)
+    onset = max(LEAST_ONSET, law.onset + upset * upset * (law.onset_upset + law.onset_upset_depth * depth))
+    bend = upset * max(0.0, law.bend_upset)
+    above = z * (z + bend + lag) + onset
+    return above / (above + z * z * (z + bend))
 
 
 @kernel
@@ -116,19 +104,27 @@ def loading_load(law, depth):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def turned(upset, turn):  # type: ignore[no-untyped-def]
+    """A share from 0 to 1 that turns earlier (turn > 1) or later than the share of upsetting in the force."""
+    weight = max(0.01, turn) * upset
+    return weight / (1.0 - upset + weight)
+
+
+@kernel
 def loading_area(law, depth, phi, upset):  # type: ignore[no-untyped-def]
     """(a/R)^2 on the loading branch: from the elastic to the plastic one as the force falls behind the elastic one."""
     elastic = elastic_area(law, depth)
     if phi >= 1.0:
         return elastic
     h = 1.0 - depth
-    local = AREA * depth / (1.0 + law.spread_1 * math.sqrt(depth) + law.spread_2 * depth)
+    local = AREA * depth / (h * (1.0 + law.spread_1 * math.sqrt(depth) + law.spread_2 * depth))
     whole = (1.0 - h * (law.widening_1 + h * (law.widening_2 + h * law.widening_3))) / (1.5 * h)
     ratio = local / whole
     ratio *= ratio
     ratio *= ratio
     plastic = local / math.sqrt(math.sqrt(math.sqrt(1.0 + ratio * ratio)))
-    return elastic + (plastic - elastic) * (1.0 - phi) ** (law.onset + (law.onset_upset - law.onset) * upset)
+    power = law.growth + turned(upset, law.turn_area) * (law.growth_upset - law.growth + law.growth_upset_depth * depth)
+    return elastic + (plastic - elastic) * (1.0 - phi) ** power
 
 
 @kernel

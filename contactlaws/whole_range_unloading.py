@@ -2,8 +2,8 @@
 
 From the largest depth D, s falls from 1 to 0 while the overlap w (over the radius) is recovered. Everything hangs on phi = f/f_el there and
 on the share of upsetting. w goes from D (elastic) to the plastic w_pl, which is Mesarovic & Johnson's 2 (1 - nu^2) F/(pi a E) for a contact
-small against the body and the springback of a bar of equal volume for D towards 1. The shape is phi times the elastic branch itself plus
-1 - phi times s [1 - x1 (1 - sqrt(s)) - x2 (1 - s)]: powers of sqrt(s) whose integral is closed.
+small against the body and the springback of a bar of equal volume for D towards 1. The shape is a share e of the elastic branch itself
+and 1 - e of s [1 - x1 (1 - sqrt(s)) - x2 (1 - s)]: powers of sqrt(s) whose integral is closed.
 """
 
 from __future__ import annotations
@@ -11,7 +11,14 @@ from __future__ import annotations
 import math
 
 from contactlaws.compiled import kernel
-from contactlaws.whole_range_loading import elastic_area
+from contactlaws.whole_range_loading import elastic_area, turned
+
+
+@kernel
+def behind(phi):  # type: ignore[no-untyped-def]
+    """r^(5/8) with r = f_el/f - 1: the measure of how far from elastic an unloading is, by roots that cost little."""
+    root = math.sqrt(1.0 / phi - 1.0)
+    return root * math.sqrt(math.sqrt(root))
 
 
 @kernel
@@ -20,9 +27,11 @@ def recovered_depth(law, depth, load, phi, upset, area):  # type: ignore[no-unty
     if phi >= 1.0:
         return depth
     h = 1.0 - depth
-    bar = h * h * math.sqrt(law.punch * law.punch / area + 2.25)
-    plastic = law.compliance * load * bar * math.exp(-depth * h * law.recovery / (1.0 + law.recovery_depth * depth))
-    return plastic + (depth - plastic) * phi ** (law.fading + (law.fading_upset - law.fading) * upset)
+    punch = 2.0 * (1.0 - law.poissons_ratio * law.poissons_ratio * h)
+    bar = h * h * math.sqrt(punch * punch / area + 2.25)
+    plastic = min(depth, law.compliance * load * bar * math.exp(-depth * h * law.recovery / (1.0 + law.recovery_depth * depth)))
+    power = law.fading + turned(upset, law.turn_recovery) * (law.fading_upset - law.fading + law.fading_upset_depth * depth)
+    return plastic + (depth - plastic) * math.exp(-power * behind(phi))
 
 
 @kernel
@@ -30,13 +39,14 @@ def shape_terms(law, depth, phi, upset):  # type: ignore[no-untyped-def]
     """Factors of s, s^1.5, s^2, s^2.5 and s^4.5 in f/f_max; they sum to 1."""
     t = math.sqrt(depth)
     one, two, three = law.force_1 * t, law.force_2 * depth, law.force_3 * depth * depth * depth
-    elastic = phi / (1.0 + one + two + three)
-    x1 = law.round + phi * (law.round_phi + phi * law.round_phi2)
-    x1 += upset * (law.round_upset + law.round_upset_phi * phi + law.round_upset_depth * depth - x1)
-    x2 = law.slope + phi * (law.slope_phi + phi * law.slope_phi2)
+    upset = turned(upset, law.turn_shape)
+    share = phi * (1.0 + (1.0 - phi) * (law.share + upset * (law.share_upset - law.share)))
+    elastic = share / (1.0 + one + two + three)
+    x1 = law.round + upset * (law.round_upset - law.round + law.round_upset_phi * phi + law.round_upset_depth * depth)
+    x2 = phi * law.slope_phi
     x2 += upset * (law.slope_upset + law.slope_upset_phi * phi + law.slope_upset_depth * depth - x2)
     x1 = min(x1, 1.0 - x2)  # no tension at the end
-    rest = 1.0 - phi
+    rest = 1.0 - share
     return rest * (1.0 - x1 - x2), elastic + rest * x1, elastic * one + rest * x2, elastic * two, elastic * three
 
 

@@ -13,7 +13,7 @@ from contactlaws.elastoplastic import Thornton
 from contactlaws.material import Material
 from contactlaws.path import scan
 from contactlaws.tabulate import from_curve
-from contactlaws.whole_range import whole_range
+from contactlaws.whole_range import whole_range, whole_range_compact
 from tests.contactlaws.rival_samples import RIVALS
 
 NMC = Material(142e9, 0.25, 7.9e9)
@@ -87,6 +87,7 @@ SAMPLES: dict[str, list[tuple[Any, float]]] = {
     "edmans_sinka": [(edmans_sinka(NMC, 5e-6), 5e-7), (edmans_sinka(SOFT), 0.3), (edmans_sinka(HARD), 0.3)],
     "tabulated": [(TABULATED, 0.12)],
     "whole_range": [(whole_range(NMC, 5e-6), 2.5e-6), (whole_range(HARD, 1.0), 0.5)],
+    "whole_range_compact": [(whole_range_compact(SOFT, 1.0), 0.5)],
     **RIVALS,
 }
 CASES = [(law, deepest) for records in SAMPLES.values() for law, deepest in records]

@@ -1,0 +1,182 @@
+"""The whole-range law: its limits, its continuity, and no energy from nothing, over all materials and depths."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from contactlaws import dispatch
+from contactlaws.elastic import HertzFiniteSize
+from contactlaws.errors import InputError
+from contactlaws.material import Material
+from contactlaws.path import scan, trace
+from contactlaws.whole_range import END, unloading, whole_range, whole_range_compact
+from contactlaws.whole_range_loading import AREA, INDENTATION, PRESSURE, elastic_area, elastic_load, loading_load, plastic_limit
+
+MAKERS = pytest.mark.parametrize("make", [whole_range, whole_range_compact], ids=["whole", "compact"])
+SLOW = pytest.mark.compiled_only(reason="tens of thousands of evaluations of the law")
+
+
+def body(make: Any, modulus: float, poissons_ratio: float = 0.3) -> Any:
+    """Radius and yield stress 1."""
+    return make(Material(modulus, poissons_ratio, 1.0), 1.0)
+
+
+@MAKERS
+@pytest.mark.parametrize("modulus", [1.0, 20.0, 1e4])
+def test_exactly_elastic_before_yield(make: Any, modulus: float):
+    law = body(make, modulus)
+    factors = (law.force_1, law.force_2, law.force_3)
+    elastic = HertzFiniteSize(1.0, modulus / (1.0 - 0.3**2), *factors, 0.0, 0.0)
+    path = law.yield_depth * np.array([0.2, 0.9999, 0.5, 0.1, 1.0])
+    mine, theirs = scan(law, path), scan(elastic, path)
+    np.testing.assert_allclose(mine.force, theirs.force, rtol=1e-14)  # round-off
+    np.testing.assert_allclose(mine.stored_energy, theirs.stored_energy, rtol=1e-14)
+    assert not mine.dissipated_energy.any()
+
+
+@MAKERS
+@pytest.mark.parametrize("modulus", [2.0, 20.0, 1e4])
+def test_yield_keeps_force_and_slope(make: Any, modulus: float):
+    law = body(make, modulus)
+    for step in (1e-3, 1e-5):
+        below, above = np.diff(trace(law, law.yield_depth * (1.0 + step * np.array([-1.0, 0.0, 1.0]))).force)
+        # beyond yield f_el/f - 1 is at most z^2 (1 + lag)/onset with z = (share at yield)/2 step: the slopes differ by a multiple of step
+        assert abs(above / below - 1.0) < 100.0 * step
+
+
+@MAKERS
+def test_hertz_with_its_finite_size_for_small_overlaps(make: Any):
+    law = body(make, 50.0)
+    depth = 1e-8
+    hertz = 4.0 / 3.0 * 50.0 / (1.0 - 0.3**2) * depth**1.5
+    assert trace(law, [depth]).force[0] == pytest.approx(hertz, rel=1.1 * math.sqrt(depth) * abs(law.force_1))
+
+
+@MAKERS
+def test_similarity_and_mesarovic_johnson_where_stiff_and_shallow(make: Any):
+    """E/Y = 1e10 at D = 1e-8: fully plastic, small against the body. p = 2.84 Y, a^2 = 2.86 R d, w = 2 (1 - nu^2) F/(pi a E)."""
+    nu, depth, modulus = 0.3, 1e-8, 1e10
+    law = body(make, modulus, nu)
+    load, phi, area, recovered, _ = unloading(law, depth)
+    small = 1e-3  # factors of the finite body go with sqrt(D) = 1e-4, what is left of the elastic part with phi
+    assert phi < 1e-3
+    assert load / depth == pytest.approx(INDENTATION, rel=small)
+    assert area / depth == pytest.approx(AREA, rel=5.0 * phi + small)
+    assert load / area == pytest.approx(PRESSURE, rel=5.0 * phi + small)
+    assert recovered == pytest.approx(2.0 * (1.0 - nu**2) * load / math.sqrt(area) / modulus, rel=small)
+
+
+@MAKERS
+def test_a_bar_of_constant_volume_where_deep(make: Any):
+    """The plastic limit towards D = 1: Y on the area 2/3 pi R^2/(1 - D); within the 2 % that an eighth root leaves."""
+    limit, upset = plastic_limit(body(make, 100.0), 0.9999)
+    assert limit * 1.5e-4 == pytest.approx(1.0, rel=0.02)
+    assert upset > 0.5
+
+
+@MAKERS
+@pytest.mark.parametrize("modulus", [2.0, 15.0, 200.0, 1e5])
+def test_unloading_starts_with_the_force_and_radius_of_the_loading(make: Any, modulus: float):
+    law = body(make, modulus)
+    for top in (1.01 * law.yield_depth, 0.5, 0.7):
+        step = 1e-9 * unloading(law, top)[3]
+        found = trace(law, [top, top - step, top])
+        assert found.force[2] == found.force[0]
+        # a step of 1e-9 of the recovery: the force falls with a slope of at most some 5, the area with one of some 2
+        np.testing.assert_allclose(found.force, found.force[0], rtol=1e-8)
+        np.testing.assert_allclose(found.contact_radius, found.contact_radius[0], rtol=1e-8)
+
+
+def test_does_not_depend_on_units():
+    material, radius = Material(142e9, 0.25, 7.9e9), 5e-6
+    one, other = whole_range(material, radius), body(whole_range, 142.0 / 7.9, 0.25)
+    path = np.array([0.01, 0.3, 0.25, 0.29, 0.4, 0.3])
+    si, plain = scan(one, radius * path), scan(other, path)
+    unit = radius**2 * 7.9e9
+    np.testing.assert_allclose(si.force, unit * plain.force, rtol=1e-12)  # round-off
+    np.testing.assert_allclose(si.contact_radius, radius * plain.contact_radius, rtol=1e-12)
+    np.testing.assert_allclose(si.dissipated_energy, radius * unit * plain.dissipated_energy, rtol=1e-11)
+
+
+@SLOW
+@MAKERS
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.2, 0.35, 0.45, 0.4999])
+def test_no_energy_from_nothing_over_the_whole_range(make: Any, poissons_ratio: float):
+    """Closed paths gain nothing if the recovered energy grows no faster than the work of the loading, and unloading stays below it."""
+    depths = np.geomspace(1e-6, 0.9, 240)
+    shares = np.linspace(0.02, 0.98, 9)
+    step = 1e-5
+    for modulus in np.geomspace(1.0, 1e5, 31):
+        law = body(make, float(modulus), poissons_ratio)
+        limit = law.yield_depth
+        for depth in depths[depths > limit * (1.0 + step)]:
+            load, phi, area, recovered, _ = unloading(law, depth)
+            assert 0.0 < phi <= 1.0
+            assert 0.0 < load < math.inf
+            assert 0.0 < area < math.inf
+            assert 0.0 < recovered <= depth
+            below, above = (energy_of(unloading(law, depth * (1.0 + side * step))) for side in (-1.0, 1.0))
+            # central difference of a smooth function: its error goes with the square of the step, round-off with 1e-16/step
+            assert (above - below) / (2.0 * step * depth) <= load * (1.0 + 1e-6)
+        path = np.concatenate(([0.0], depths))
+        assert (np.diff(trace(law, path).force) > 0.0).all()
+        for depth in depths[depths > limit][::8]:
+            recovered = unloading(law, depth)[3]
+            down = depth - recovered * (1.0 - shares[::-1])
+            force = trace(law, np.concatenate(([depth], down))).force
+            assert (np.diff(force) <= 0.0).all()
+            assert (force[1:] <= trace(law, down[::-1]).force[::-1] * (1.0 + 1e-9)).all()
+
+
+def energy_of(state: tuple[Any, ...]) -> float:
+    load, _, _, recovered, terms = state
+    return load * recovered * sum(term / power for term, power in zip(terms, (2.0, 2.5, 3.0, 3.5, 5.5), strict=True))
+
+
+@SLOW
+@settings(max_examples=40, deadline=None)
+@given(
+    modulus=st.floats(0.0, 5.0).map(lambda power: 10.0**power),
+    poissons_ratio=st.floats(0.0, 0.4999),
+    deepest=st.floats(-5.0, -0.05).map(lambda power: 10.0**power),
+    turns=st.lists(st.floats(-0.05, 1.0), min_size=1, max_size=6),
+)
+def test_any_material_on_any_path_gives_back_no_more_than_was_put_in(
+    modulus: float, poissons_ratio: float, deepest: float, turns: list[float]
+):
+    law = body(whole_range, modulus, poissons_ratio)
+    corners = np.concatenate(([0.0], np.array(turns), [0.0])) * deepest
+    path = np.concatenate([np.linspace(a, b, 400) for a, b in zip(corners, corners[1:], strict=False)])
+    found = scan(law, path)
+    work = np.concatenate(([0.0], np.cumsum(0.5 * np.diff(path) * (found.force[1:] + found.force[:-1]))))
+    # a trapezoid misses at most h^2/8 times the change of slope in a row; slopes stay below the bound, up and down once a leg
+    missed = len(turns) * 4.0 * dispatch.stiffness_bound(law, deepest) * (deepest / 399.0) ** 2
+    assert work.min() >= -missed
+    assert found.force.min() >= 0.0
+    assert np.all(np.diff(found.dissipated_energy) >= -1e-12 * abs(found.dissipated_energy).max())
+
+
+def test_beyond_its_end_the_force_stays_and_is_got_back():
+    law = body(whole_range, 30.0)
+    found = scan(law, [END, END + 0.2, END])
+    assert found.force[1] == found.force[0] == found.force[2]
+    assert found.dissipated_energy[1] == found.dissipated_energy[0]
+
+
+def test_wants_a_body_that_yields():
+    with pytest.raises(InputError, match="yield_stress"):
+        whole_range(Material(1e9, 0.3), 1.0)
+    with pytest.raises(InputError, match="radius"):
+        whole_range(Material(1e9, 0.3, 1e7), -1.0)
+
+
+def test_elastic_parts_are_what_they_say():
+    law = body(whole_range, 5.0)
+    assert loading_load(law, 0.5 * law.yield_depth) == elastic_load(law, 0.5 * law.yield_depth)
+    assert elastic_area(law, 1e-10) == pytest.approx(1e-10, rel=1e-4)
