@@ -4,7 +4,8 @@ Four cycles from one overlap: two to half the force, two to separation; then the
 over the work that the unloading gives back (hysteresis); the largest difference of the force of reloading from that of unloading at
 equal overlap, over the force at the start (departure); the force when back at the overlap it started from, over the force at the start,
 less 1. Of the loading that goes on: the largest difference from the loading that was never interrupted, over a tenth of the overlap. Then
-a law along the same overlaps: its largest difference from the cycles, each force over the one at the start.
+a law along the same overlaps: its largest difference from the cycles, each force over the one at the start. That includes what this one
+mesh is itself off by in the recovered overlap, which `fem.press` extrapolates away: it checks the law's cycles, not its unloading.
 
 What is measured: reloading follows the unloading curve within .1 % of the force at the start, is back there within .1 %, and dissipates up
 to .6 % of what the unloading gives back: nothing that a law needs a second memory for.
