@@ -131,8 +131,8 @@ def test_no_energy_from_nothing_over_the_whole_range(make: Any, poissons_ratio: 
             down = depth - recovered * (1.0 - shares[::-1])
             force = trace(law, np.concatenate(([depth], down))).force
             assert (np.diff(force) <= 0.0).all()
-            # the compact shape lets a body of E/Y about 1 unload above its loading by some 1e-3 of the largest force just past yield; no path
-            # gains by that, since the largest overlap is remembered
+            # the compact shape lets a body of E/Y about 1 unload above its loading by some 1e-3 of the largest force just past yield; no
+            # path gains by that, since the largest overlap is remembered
             excess = 1e-9 if make is whole_range else 2e-3
             assert (force[1:] <= trace(law, down[::-1]).force[::-1] + excess * force[0]).all()
 
