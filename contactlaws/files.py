@@ -11,7 +11,7 @@ from contactlaws.errors import InputError, Problem
 
 
 def write_atomically(path: str | Path, write: Callable[[Path], object]) -> Path:
-    """Let `write` fill a temporary file beside `path`, bring it to the disk, then rename it to `path`: also a power cut leaves no half of it.
+    """Let `write` fill a temporary file beside `path`, bring it to the disk, then rename it: a power cut, too, leaves no half of it.
 
     Raises `InputError` where the system refuses (no permission, no such folder, disk full); then `path` is as it was and nothing is left
     behind.
