@@ -24,7 +24,7 @@ from contactlaws.rivals.unloading import MARGIN, POINTS, SAMPLES, WEIGHTS, hertz
 
 #: largest pressure over yield stress at first yield
 FIRST = 1.6
-#: Eq. 54 at R_e/r = 1/4, equal spheres; n is not stated in the paper and was read from its Fig. 11
+#: Eq. 54 at R_e/r = 1/4, equal spheres; n is not stated in the paper: 1.8 gives all seven restitutions that follow from its law
 PUBLISHED = {
     "pressure_ratio": 1.05 * math.exp(-4.62 * 0.25) + 2.42,
     "radius_ratio": 8.19 * math.exp(-6.14 * 0.25) + 1.14,
