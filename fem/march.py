@@ -81,11 +81,12 @@ def interval(solver: Equilibrium, start: State, place: int, expected: float, lar
 def landings(solver: Equilibrium, steps: Steps) -> Iterator[tuple[int, list[State]]]:
     """Walk outwards over the surface nodes: for each, its place and the states since the landing before it, the last its own landing.
 
-    Ends when no surface node is left; raises `NoEquilibrium` when the solver gives up.
+    Ends when one element of free surface is left; raises `NoEquilibrium` when the solver gives up.
     """
     state, before, largest = solver.start(), None, 0.0
     radius = solver.body.section.mesh.p[0, solver.body.section.surface]
-    for place in range(int(np.count_nonzero(state.active)), radius.size):
+    # the free surface cannot fold within its last element: the node above the mid-plane lands when next to nothing is left of the body
+    for place in range(int(np.count_nonzero(state.active)), radius.size - 2):
         if before is None or before.overlap <= 0.0:
             expected = max(float(solver.gaps(state.displacement)[place]), 1e-12)
         else:

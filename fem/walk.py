@@ -148,6 +148,9 @@ def walk(
             beyond += last.overlap >= max_overlap
             if beyond >= LANDINGS_BEYOND:
                 break
+        else:
+            if last.overlap < max_overlap:
+                stopped = f"one element of free surface is left at an overlap of {last.overlap:.4g}: the mesh ends"
     except NoEquilibrium as reason:
         if last.overlap < max_overlap or len(unloader.branches()) + len(unloader.failed) < len(unload_from):
             stopped = f"no equilibrium found beyond an overlap of {last.overlap:.4g}: {reason}"

@@ -6,9 +6,9 @@ finer mesh is affordable, the force along the last four fifths of the path is he
 
 What ends a run early, as seen in the deformed meshes:
 
-* A plastic body, at some .83 R with the default tolerance: all surface nodes of the coarser mesh but two rest on the flat, and the free
-  surface that is left (.17 R high) is a single folded element. The mesh ends, not the body: finer meshes go on to .93 R (8 divisions alone)
-  and .96 R (12).
+* A plastic body, at some .82 R with the default tolerance (.9 R with .005): all surface nodes of the coarser mesh but two rest on the flat,
+  and the free surface that is left is a single folded element. The mesh ends, not the body: finer meshes go on to .93 R (8 divisions
+  alone) and .96 R (12).
 * An elastic body that keeps its volume (nu of .45 and more), at .6 to .7 R: in its centre the logarithms of the principal stretches differ
   by 2.6, and the elastic law, quadratic in them, loses ellipticity at 2.4 (Hill & Hutchinson 1975, for incompressible bodies in plane
   deformation). No mesh helps: that elastic law ends there. Yielding keeps elastic strains far below.

@@ -20,6 +20,7 @@ from fem.march import Steps, landings, unload
 from fem.mesh import spheroid
 from fem.newton import RESIDUAL, Equilibrium, NoEquilibrium
 from fem.press import RESOLUTIONS, moduli_of, press, resolution_for
+from fem.walk import walk
 
 compiled_only = pytest.mark.compiled_only("a run is some hundred assemblies of the mesh; interpreted, minutes")
 
@@ -336,3 +337,16 @@ def test_an_unloading_that_fails_does_not_end_the_loading(monkeypatch: pytest.Mo
     assert "0.015" in curve.stopped
     assert curve.overlap[curve.rows(0)][-1] == 0.02
     assert curve.force[curve.rows(0)][-1] == pytest.approx(plain.force[plain.rows(0)][-1], rel=1e-9)  # another row changes round-off only
+
+
+@compiled_only
+def test_the_curve_ends_where_the_mesh_does():
+    """With one element of free surface left, the next node lands close to an overlap of 1 only, with a work beyond all bounds."""
+    body, moduli = discretise(spheroid(6, 0.142, along=1.5)), moduli_of(Material(100.0, 0.3, 1.0))
+    run = walk(body, moduli, 0.95)
+    work = run.landing_stored + run.landing_dissipated
+    assert run.stopped is not None
+    assert "mesh ends" in run.stopped or "no equilibrium" in run.stopped
+    assert run.landing_overlap[-1] < 0.95
+    rise = np.diff(np.log(work)) / np.diff(np.log(run.landing_overlap))
+    assert rise.max() < 6.0  # F d/W: 2 in full plasticity, growing towards the end; that landing would make it 35
