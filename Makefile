@@ -13,7 +13,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: help demo test test-interpreted lint format verify benchmark picture lock clean
+.PHONY: help demo test test-interpreted lint format study recalibrate verify benchmark picture lock clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 20
@@ -39,9 +39,25 @@ lint: $(READY) ## ruff, mypy, and the direction of imports
 format: $(READY) ## let ruff lay out the sources
 	@$(BIN)/ruff check --fix-only . && $(BIN)/ruff format .
 
-verify: $(READY) ## theory, convergence, tolerances, the whole material range; with FE2DEM_REFERENCE=FOLDER another code's curves
+study: $(READY) ## Edmans & Sinka 2020 done again: 560 unloadings and 280 of unseen materials, tables, figures, every statement judged
+	@$(BIN)/fe2dem run cases/edmans_sinka_2020/study.toml --jobs $(JOBS) --out results/edmans_sinka_2020
+	@$(BIN)/fe2dem run cases/edmans_sinka_2020/unseen.toml --jobs $(JOBS) --out results/unseen
+	@$(BIN)/python -m cases.edmans_sinka_2020 results/edmans_sinka_2020 --unseen results/unseen --out results/study
+
+recalibrate: study ## what is shipped, made anew from curves: atlas, constants of the whole-range law, scores of all laws
+	@$(BIN)/python -m calibration.atlas_build results/atlas results/edmans_sinka_2020/curves --compute --jobs $(JOBS)
+	@$(BIN)/python -m calibration.whole_range_fit results/edmans_sinka_2020/curves --unseen results/unseen/curves --evaluations 90
+	@$(BIN)/fe2dem tournament results/edmans_sinka_2020 --out results/tournament
+	@$(BIN)/fe2dem tradeoff law results/tournament --save-scores calibration/data/tradeoff_law.parquet
+
+verify: $(READY) ## theory, convergence, tolerances, extremes, cycles, pairs, the atlas; with FE2DEM_REFERENCE=FOLDER another code's curves
 	@echo "verify: the continuum solver against theory and its own finer meshes; about 20 minutes on one core"
 	@$(BIN)/python -m cases.verification.continuum
+	@echo "verify: extreme bodies, partial cycles, unlike pairs, the atlas on other materials; about 20 minutes more"
+	@$(BIN)/python -m cases.verification.extremes --jobs $(JOBS)
+	@$(BIN)/python -m cases.verification.cycles
+	@$(BIN)/python -m cases.verification.pairs
+	@$(BIN)/python -m calibration.atlas_check results/atlas_check --compute --jobs $(JOBS)
 	@if [ -n "$$FE2DEM_REFERENCE" ]; then $(BIN)/python -m cases.verification.reference_curves; \
 	else echo "verify: no comparison with another code: FE2DEM_REFERENCE names no folder of its curves"; fi
 
