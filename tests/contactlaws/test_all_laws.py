@@ -52,7 +52,9 @@ def test_gives_back_no_more_than_was_put_in(law: Any, deepest: float, turns: lis
     assert work.min() >= -missed
     assert found.force.min() >= 0.0
     if "dissipation never falls" not in flaws:
-        assert np.all(np.diff(found.dissipated_energy) >= -1e-12 * abs(found.dissipated_energy).max())
+        # what is dissipated is the work less what is stored: its round-off goes with the larger of them
+        put_in = abs(found.dissipated_energy).max() + abs(found.stored_energy).max()
+        assert np.all(np.diff(found.dissipated_energy) >= -1e-12 * put_in)
 
 
 @each_law

@@ -168,8 +168,8 @@ def test_any_material_on_any_path_gives_back_no_more_than_was_put_in(
 def test_beyond_its_end_the_force_stays_and_is_got_back():
     law = body(whole_range, 30.0)
     found = scan(law, [END, END + 0.2, END])
-    assert found.force[1] == found.force[0] == found.force[2]
-    assert found.dissipated_energy[1] == found.dissipated_energy[0]
+    np.testing.assert_allclose(found.force, found.force[0], rtol=1e-14)  # round-off: one loads, the others unload
+    np.testing.assert_allclose(found.dissipated_energy[1], found.dissipated_energy[0], rtol=1e-14)
 
 
 def test_wants_a_body_that_yields():
