@@ -95,10 +95,11 @@ def finite_elements(name, branch, noise, seed):
     """A curve that the atlas has not seen, up to one of its unloadings, with noise; stresses as for Y = 400 MPa, radius 1 mm."""
     curve = read_curve(Path(__file__).parent / "unseen" / f"{name}.parquet")
     rows, back = curve.rows(0), curve.rows(branch)
-    loading = CubicSpline(np.log(curve.overlap[rows][1:]), np.log(curve.force[rows][1:]))
-    up = np.linspace(curve.overlap[rows][1], curve.overlap[back][0], 40)
-    down = np.linspace(curve.overlap[back][0], curve.overlap[back][-1], 24)[1:]
-    force = np.concatenate((np.exp(loading(np.log(up))), PchipInterpolator(curve.overlap[back][::-1], curve.force[back][::-1])(down)))
+    depth, load = curve.overlap / curve.radius, curve.force / (curve.material.yield_stress * curve.radius**2)
+    loading = CubicSpline(np.log(depth[rows][1:]), np.log(load[rows][1:]))
+    up = np.linspace(depth[rows][1], depth[back][0], 40)
+    down = np.linspace(depth[back][0], depth[back][-1], 24)[1:]
+    force = np.concatenate((np.exp(loading(np.log(up))), PchipInterpolator(depth[back][::-1], load[back][::-1])(down)))
     scatter = noise * force.max() * np.random.default_rng(seed).standard_normal(force.size)
     return Measured(
         np.concatenate((up, down)) * RADIUS, (force + scatter) * 400e6 * RADIUS**2, np.repeat([0, 1], [up.size, down.size]), RADIUS
