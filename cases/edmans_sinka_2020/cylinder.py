@@ -52,7 +52,7 @@ def unloading_force(modulus: float, largest: Any, depth: Any) -> FloatArray:
 
 
 def unloading_force_with_tension(modulus: float, largest: float, depth: Any) -> FloatArray:
-    """Eq. 19, free bars pulling: F_max - E (D_max^2 - D^2)."""
+    """Eq. 19, free bars pulling: F_max - E (D_max^2 - D^2); it holds while bars around the core touch, D > 1 - u_p."""
     d = np.asarray(depth, dtype=np.float64)
     return np.asarray(loading_force(modulus, largest) - modulus * (largest**2 - d**2))
 
