@@ -1,8 +1,11 @@
-"""Several values after one option, `--speed 1 2 5`, for an option parser that knows only `--speed 1 --speed 2 --speed 5`."""
+"""Options as all commands declare them, and several values after one: `--speed 1 2 5`, where the parser knows only one value each time."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from typing import Any
+
+import typer
 
 
 def spread(arguments: Sequence[str], options: Collection[str]) -> list[str]:
@@ -31,3 +34,8 @@ def _spread(arguments: Sequence[str], options: Collection[str]) -> Iterator[str]
 
 def _is_option(argument: str) -> bool:
     return argument.startswith("-") and argument != "-" and not argument[1:2].isdigit() and argument[1:2] != "."
+
+
+def option(help_text: str) -> Any:
+    """An option whose help says itself what holds without it."""
+    return typer.Option(help=help_text, show_default=False)

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from cases.arguments import spread
+from cases.arguments import option, spread
 from cases.command_atlas import identify, predict
 from cases.command_tradeoff import tournament, tradeoff
 
@@ -29,10 +29,6 @@ app = typer.Typer(
 Jobs = Annotated[int | None, typer.Option("--jobs", min=1, help="Processes to use; default: the number of cores.")]
 TakeOver = Annotated[bool, typer.Option("--take-over", help="Use --out even if it holds the results of another study.")]
 Text = str | None
-
-
-def _option(help_text: str) -> Any:
-    return typer.Option(help=help_text, show_default=False)
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -78,8 +74,8 @@ def run(
     case: Annotated[Path, typer.Argument(metavar="CASE.toml", help="A case file or a study.", show_default=False)],
     out: Annotated[Path | None, typer.Option("--out", help="Folder for results; default: results/CASE.")] = None,
     jobs: Jobs = None,
-    scheduler: Annotated[Text, _option("ADDRESS of a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers do it.")] = None,
-    tolerance: Annotated[Text, _option("Relative error of every finite-element curve, in place of what the file says.")] = None,
+    scheduler: Annotated[Text, option("ADDRESS of a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers do it.")] = None,
+    tolerance: Annotated[Text, option("Relative error of every finite-element curve, in place of what the file says.")] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Begin a study of very many tasks without asking.")] = False,
     take_over: TakeOver = False,
 ) -> None:
@@ -120,20 +116,20 @@ def _ask(tasks: int) -> bool:
 
 
 def reference(
-    youngs_modulus: Annotated[Text, _option("Young's modulus, such as '142 GPa'.")] = None,
-    poissons_ratio: Annotated[Text, _option("Poisson's ratio, in [0, 0.5).")] = None,
-    yield_stress: Annotated[Text, _option("Yield stress, such as '7.9 GPa'; see --elastic.")] = None,
+    youngs_modulus: Annotated[Text, option("Young's modulus, such as '142 GPa'.")] = None,
+    poissons_ratio: Annotated[Text, option("Poisson's ratio, in [0, 0.5).")] = None,
+    yield_stress: Annotated[Text, option("Yield stress, such as '7.9 GPa'; see --elastic.")] = None,
     elastic: Annotated[bool, typer.Option("--elastic", help="A body that never yields.")] = False,
-    radius: Annotated[str, _option("Half the height of the body, such as '5 um'; 1 m without it.")] = "1",
-    aspect: Annotated[str, _option("Equatorial semi-axis over radius; 1 is a sphere.")] = "1",
-    profile: Annotated[Path | None, _option("POINTS.csv: columns r,z in m, pole to mid-plane; any body of revolution (gmsh).")] = None,
-    unload_from: Annotated[list[str] | None, _option("D1 D2 ...: overlaps over radius to unload from.")] = None,
-    max_overlap: Annotated[Text, _option("Largest overlap over radius; default: the largest of --unload-from.")] = None,
-    tolerance: Annotated[str, _option("Relative error asked for; 0.01 without it.")] = "0.01",
+    radius: Annotated[str, option("Half the height of the body, such as '5 um'; 1 m without it.")] = "1",
+    aspect: Annotated[str, option("Equatorial semi-axis over radius; 1 is a sphere.")] = "1",
+    profile: Annotated[Path | None, option("POINTS.csv: columns r,z in m, pole to mid-plane; any body of revolution (gmsh).")] = None,
+    unload_from: Annotated[list[str] | None, option("D1 D2 ...: overlaps over radius to unload from.")] = None,
+    max_overlap: Annotated[Text, option("Largest overlap over radius; default: the largest of --unload-from.")] = None,
+    tolerance: Annotated[str, option("Relative error asked for; 0.01 without it.")] = "0.01",
     fields: Annotated[
-        Path | None, _option("Folder for deformed meshes with stress and plastic strain (.vtu), at each of --unload-from.")
+        Path | None, option("Folder for deformed meshes with stress and plastic strain (.vtu), at each of --unload-from.")
     ] = None,
-    out: Annotated[Path | None, _option("CURVE.csv or CURVE.parquet.")] = None,
+    out: Annotated[Path | None, option("CURVE.csv or CURVE.parquet.")] = None,
 ) -> None:
     """Compute one finite-element reference curve of a body pressed against a rigid frictionless flat."""
     from cases import single
@@ -156,14 +152,14 @@ def fit(
     curves: Annotated[
         list[Path] | None, typer.Argument(metavar="CURVE ...", help="Computed or measured curves (.csv, .parquet).", show_default=False)
     ] = None,
-    law: Annotated[Text, _option("A law's name, as listed by `fe2dem laws`.")] = None,
-    tolerance: Annotated[Text, _option("In place of --law: takes the cheapest law that differs from the curves by no more.")] = None,
-    quantity: Annotated[str, _option("What --tolerance is about: force, contact_radius, energy ...; force without it.")] = "force",
-    out: Annotated[Path | None, _option("LAW.json: where to save the fitted law.")] = None,
-    radius: Annotated[Text, _option("Of the body, where a measured curve's file does not say it.")] = None,
-    youngs_modulus: Annotated[Text, _option("Where a measured curve's file does not say it.")] = None,
-    poissons_ratio: Annotated[Text, _option("Where a measured curve's file does not say it.")] = None,
-    yield_stress: Annotated[Text, _option("Where a measured curve's file does not say it.")] = None,
+    law: Annotated[Text, option("A law's name, as listed by `fe2dem laws`.")] = None,
+    tolerance: Annotated[Text, option("In place of --law: takes the cheapest law that differs from the curves by no more.")] = None,
+    quantity: Annotated[str, option("What --tolerance is about: force, contact_radius, energy ...; force without it.")] = "force",
+    out: Annotated[Path | None, option("LAW.json: where to save the fitted law.")] = None,
+    radius: Annotated[Text, option("Of the body, where a measured curve's file does not say it.")] = None,
+    youngs_modulus: Annotated[Text, option("Where a measured curve's file does not say it.")] = None,
+    poissons_ratio: Annotated[Text, option("Where a measured curve's file does not say it.")] = None,
+    yield_stress: Annotated[Text, option("Where a measured curve's file does not say it.")] = None,
 ) -> None:
     """Fit a law to one or several curves; prints parameters with their errors."""
     from cases import single
@@ -177,10 +173,10 @@ def fit(
 
 def impact(
     law: Annotated[Path | None, typer.Argument(metavar="LAW.json", help="A fitted law.", show_default=False)] = None,
-    radius: Annotated[Text, _option("Radius of the two equal spheres.")] = None,
-    density: Annotated[Text, _option("Their density, such as '4750 kg/m^3'.")] = None,
-    speed: Annotated[list[str] | None, _option("V1 V2 ...: closing speeds.")] = None,
-    out: Annotated[Path | None, _option("RESTITUTION.csv: where to save the table.")] = None,
+    radius: Annotated[Text, option("Radius of the two equal spheres.")] = None,
+    density: Annotated[Text, option("Their density, such as '4750 kg/m^3'.")] = None,
+    speed: Annotated[list[str] | None, option("V1 V2 ...: closing speeds.")] = None,
+    out: Annotated[Path | None, option("RESTITUTION.csv: where to save the table.")] = None,
 ) -> None:
     """Coefficient of restitution against speed, by the same kernel as the DEM."""
     from cases import single
@@ -190,8 +186,8 @@ def impact(
 
 def simulate(
     scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="A scene file.", show_default=False)],
-    law: Annotated[Path | None, _option("LAW.json; takes the place of the scene file's law.")] = None,
-    out: Annotated[Path | None, _option("Folder for results; default: results/SCENE.")] = None,
+    law: Annotated[Path | None, option("LAW.json; takes the place of the scene file's law.")] = None,
+    out: Annotated[Path | None, option("Folder for results; default: results/SCENE.")] = None,
     jobs: Jobs = None,
     take_over: TakeOver = False,
 ) -> None:

@@ -7,28 +7,24 @@ from typing import Annotated, Any
 
 import typer
 
+from cases.arguments import option
+
 Text = str | None
 
 
-def _option(help_text: str) -> Any:
-    return typer.Option(help=help_text, show_default=False)
-
-
 def predict(
-    youngs_modulus: Annotated[Text, _option("Young's modulus, such as '142 GPa'.")] = None,
-    poissons_ratio: Annotated[Text, _option("Poisson's ratio, in [0, 0.5).")] = None,
-    yield_stress: Annotated[Text, _option("Yield stress, such as '7.9 GPa'; see --elastic.")] = None,
+    youngs_modulus: Annotated[Text, option("Young's modulus, such as '142 GPa'.")] = None,
+    poissons_ratio: Annotated[Text, option("Poisson's ratio, in [0, 0.5).")] = None,
+    yield_stress: Annotated[Text, option("Yield stress, such as '7.9 GPa'; see --elastic.")] = None,
     elastic: Annotated[bool, typer.Option("--elastic", help="A body that never yields.")] = False,
-    radius: Annotated[str, _option("Radius of the sphere, such as '5 um'; 1 m without it.")] = "1",
-    unload_from: Annotated[list[str] | None, _option("D1 D2 ...: overlaps over radius to unload from; default: the atlas's own.")] = None,
-    max_overlap: Annotated[Text, _option("Largest overlap over radius; default: the largest of --unload-from, else of the atlas.")] = None,
-    law: Annotated[Text, _option("Law to make of it; 'tabulated', exact on the curve, without it.")] = None,
-    tolerance: Annotated[Text, _option("In place of --law: takes the cheapest law whose measured error is no larger.")] = None,
-    quantity: Annotated[
-        str, _option("What --tolerance is about: force, contact_radius, recovered_energy ...; force without it.")
-    ] = "force",
+    radius: Annotated[str, option("Radius of the sphere, such as '5 um'; 1 m without it.")] = "1",
+    unload_from: Annotated[list[str] | None, option("D1 D2 ...: overlaps over radius to unload from; default: the atlas's own.")] = None,
+    max_overlap: Annotated[Text, option("Largest overlap over radius; default: the largest of --unload-from, else of the atlas.")] = None,
+    law: Annotated[Text, option("Law to make of it; 'tabulated', exact on the curve, without it.")] = None,
+    tolerance: Annotated[Text, option("In place of --law: takes the cheapest law whose measured error is no larger.")] = None,
+    quantity: Annotated[str, option("What --tolerance is about: force, contact_radius, recovered_energy ...; force without it.")] = "force",
     compute: Annotated[bool, typer.Option("--compute", help="Run finite elements for what lies outside the atlas.")] = False,
-    out: Annotated[Path | None, _option("LAW.json, CURVE.csv or CURVE.parquet.")] = None,
+    out: Annotated[Path | None, option("LAW.json, CURVE.csv or CURVE.parquet.")] = None,
 ) -> None:
     """Curve or law of any material in the range of the atlas, with its error, in milliseconds."""
     from cases import prediction
@@ -41,12 +37,12 @@ def predict(
 
 def identify(
     measured: Annotated[Path | None, typer.Argument(metavar="MEASURED.csv", help="Columns overlap,force: m, N", show_default=False)] = None,
-    radius: Annotated[Text, _option("Radius of the particle, where the file does not say it.")] = None,
-    poissons_ratio: Annotated[Text, _option("Poisson's ratio, such as 0.3, or an interval such as 0.2..0.35.")] = None,
+    radius: Annotated[Text, option("Radius of the particle, where the file does not say it.")] = None,
+    poissons_ratio: Annotated[Text, option("Poisson's ratio, such as 0.3, or an interval such as 0.2..0.35.")] = None,
     zero_unknown: Annotated[bool, typer.Option("--zero-unknown", help="The overlap at first touch is unknown too.")] = False,
     compliance_unknown: Annotated[bool, typer.Option("--compliance-unknown", help="So is how far the machine gives way.")] = False,
-    noise: Annotated[Text, _option("Standard deviation of a force, such as '2 mN' or '1 %' of the largest; default: found.")] = None,
-    out: Annotated[Path | None, _option("Folder for identified.json, profiles.csv and identified.png.")] = None,
+    noise: Annotated[Text, option("Standard deviation of a force, such as '2 mN' or '1 %' of the largest; default: found.")] = None,
+    out: Annotated[Path | None, option("Folder for identified.json, profiles.csv and identified.png.")] = None,
 ) -> None:
     """Young's modulus and yield stress from a measured force-overlap curve of one particle, with intervals."""
     from cases import identification

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
+
+from cases.arguments import option
 
 FAILED = 3
 
@@ -14,16 +16,12 @@ tradeoff = typer.Typer(
 )
 
 
-def _option(help_text: str) -> Any:
-    return typer.Option(help=help_text, show_default=False)
-
-
 def tournament(
     folder: Annotated[
         Path, typer.Argument(metavar="FOLDER", help="Results of fe2dem run, or curves (.parquet, .csv).", show_default=False)
     ],
-    laws: Annotated[list[str] | None, _option("A B ...: laws, as listed by `fe2dem laws`; default: all that can be fitted.")] = None,
-    out: Annotated[Path | None, _option("Folder for tables, pictures and report.html; default: results/tournament.")] = None,
+    laws: Annotated[list[str] | None, option("A B ...: laws, as listed by `fe2dem laws`; default: all that can be fitted.")] = None,
+    out: Annotated[Path | None, option("Folder for tables, pictures and report.html; default: results/tournament.")] = None,
 ) -> None:
     """Fit every law to every curve and score each for force, contact area, unloading, energy and cost."""
     from cases.tournament.run import tournament as play
@@ -37,12 +35,12 @@ def tournament(
 @tradeoff.command("law")
 def tradeoff_law(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="What fe2dem tournament wrote.", show_default=False)],
-    quantity: Annotated[str | None, _option("One of the scores, such as force; default: all.")] = None,
-    tolerance: Annotated[float | None, _option("Largest relative error: names the cheapest law that keeps it (0.01 is 1 %).")] = None,
-    max_overlap: Annotated[float | None, _option("Only overlaps over the radius up to this.")] = None,
-    out: Annotated[Path | None, _option("PICTURE.png of error against cost.")] = None,
+    quantity: Annotated[str | None, option("One of the scores, such as force; default: all.")] = None,
+    tolerance: Annotated[float | None, option("Largest relative error: names the cheapest law that keeps it (0.01 is 1 %).")] = None,
+    max_overlap: Annotated[float | None, option("Only overlaps over the radius up to this.")] = None,
+    out: Annotated[Path | None, option("PICTURE.png of error against cost.")] = None,
     save_scores: Annotated[
-        Path | None, _option("SCORES.parquet: what --tolerance of `fit` and `predict` goes by (calibration/data/tradeoff_law.parquet).")
+        Path | None, option("SCORES.parquet: what --tolerance of `fit` and `predict` goes by (calibration/data/tradeoff_law.parquet).")
     ] = None,
 ) -> None:
     """Error of the laws against nanoseconds per contact, from the scores of a tournament."""
@@ -57,9 +55,9 @@ def tradeoff_law(
 
 @tradeoff.command("fe")
 def tradeoff_fe(
-    out: Annotated[Path | None, _option("Folder for tables, pictures and report.html; default: results/tradeoff-fe.")] = None,
+    out: Annotated[Path | None, option("Folder for tables, pictures and report.html; default: results/tradeoff-fe.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Two bodies and coarse meshes: a look, in a minute.")] = False,
-    finest: Annotated[int | None, _option("Even number of divisions of the mesh that the others are measured against.")] = None,
+    finest: Annotated[int | None, option("Even number of divisions of the mesh that the others are measured against.")] = None,
 ) -> None:
     """Error of the finite-element curves against CPU time: mesh, steps, smoothing, element, levels of tolerance; about five CPU minutes."""
     from cases.tradeoff.fe import tradeoff_fe as measure

@@ -14,6 +14,7 @@ from typing import Any, Literal, NamedTuple, get_origin
 
 from pydantic import Field, ValidationError
 
+from cases.casefile.units import is_bare
 from cases.casefile.validation import Record, problems_in
 from contactlaws.errors import InputError, Problem
 
@@ -165,18 +166,10 @@ def _placed(problem: Problem, place: str, grids: set[str], lists: Mapping[str, l
 def _mixed(name: str, values: Sequence[Any]) -> Iterator[Problem]:
     """Bare numbers are SI: beside others that carry a unit, one is most likely meant in that unit."""
     bare = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
-    texts = [value for value in values if isinstance(value, str) and re.search(r"\d\s*[A-Za-zµ]", value) and not _is_number(value)]
+    texts = [value for value in values if isinstance(value, str) and re.search(r"\d\s*[A-Za-zµ]", value) and not is_bare(value)]
     if bare and texts:
         remedy = "write all of them with a unit, or all of them bare, in SI units"
         yield Problem(name, f"{texts[0]!r} and {bare[0]!r}", "mixes numbers with and without a unit in one list", remedy)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _twins(name: str, written: Sequence[Any], values: Sequence[Any]) -> Iterator[Problem]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.casefile.grid import Raw
+from cases.casefile.units import is_bare
 from cases.casefile.validation import suggestion
 from contactlaws.errors import InputError, Problem
 from contactlaws.files import read_text
@@ -70,8 +71,8 @@ def _header_problems(header: Sequence[tuple[str, str]], columns: Sequence[str], 
 
 def _unit_problems(name: str, unit: str, cells: Sequence[str]) -> Iterator[Problem]:
     """A column has one unit: in its header, or in every cell, or nowhere."""
-    own = [cell for cell in cells if cell and not _is_bare(cell)]
-    bare = [cell for cell in cells if cell and _is_bare(cell)]
+    own = [cell for cell in cells if cell and not is_bare(cell)]
+    bare = [cell for cell in cells if cell and is_bare(cell)]
     if name.endswith(f": {NAME}"):
         return
     if unit and own:
@@ -81,17 +82,9 @@ def _unit_problems(name: str, unit: str, cells: Sequence[str]) -> Iterator[Probl
         yield Problem(name, f"{own[0]!r} and {bare[0]!r}", "mixes numbers with and without a unit in one column", remedy)
 
 
-def _is_bare(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
 def _values(header: Sequence[tuple[str, str]], cells: Sequence[str]) -> Iterator[tuple[str, Any]]:
     for (name, unit), cell in zip(header, cells, strict=True):
         if cell and name == NAME:
             yield name, cell
         elif cell:
-            yield name, float(cell) if _is_bare(cell) and not unit else f"{cell} {unit}".strip()
+            yield name, float(cell) if is_bare(cell) and not unit else f"{cell} {unit}".strip()

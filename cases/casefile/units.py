@@ -91,3 +91,16 @@ def _dimension(quantity: Any) -> str:
         "m/s": "a speed",
     }
     return next((word for unit, word in words.items() if quantity.is_compatible_with(unit)), f"of dimension {quantity.dimensionality}")
+
+
+def is_bare(text: str) -> bool:
+    """Whether a text is a number without a unit.
+
+    >>> is_bare("1e-3"), is_bare("5 um")
+    (True, False)
+    """
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -31,3 +31,11 @@ def hertzian_recovery(reduced_modulus, force, radius, largest):  # type: ignore[
 def hertz(reduced_modulus, radius, overlap):  # type: ignore[no-untyped-def]
     """Hertz's force in N."""
     return 4.0 / 3.0 * reduced_modulus * math.sqrt(radius * overlap) * overlap
+
+
+@kernel
+def straight_energy(stiffness, recovered, largest, overlap):  # type: ignore[no-untyped-def]
+    """Stored and dissipated energy of two straight lines: two triangles."""
+    force = stiffness * largest
+    left = part_left(largest, recovered, overlap)
+    return 0.5 * force * recovered * left * left, 0.5 * force * (largest - recovered)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
 from contactlaws.rivals.bounds import at_least
-from contactlaws.rivals.unloading import part_left
+from contactlaws.rivals.unloading import part_left, straight_energy
 
 
 class WaltonBraun(NamedTuple):
@@ -64,10 +64,7 @@ def walton_braun_energy(law, overlap, state):  # type: ignore[no-untyped-def]
     largest = max(overlap, state[0])
     if largest <= 0.0:
         return 0.0, 0.0
-    recovered = walton_braun_recovered(law, largest)
-    force = law.loading_stiffness * largest
-    left = part_left(largest, recovered, overlap)
-    return 0.5 * force * recovered * left * left, 0.5 * force * (largest - recovered)
+    return straight_energy(law.loading_stiffness, walton_braun_recovered(law, largest), largest, overlap)
 
 
 @kernel
