@@ -20,7 +20,6 @@ from scipy.interpolate import PchipInterpolator
 from contactlaws.curve import QUANTITIES, Curve
 from contactlaws.errors import InputError, Problem
 from contactlaws.files import write_atomically, write_text
-from fem.readout import exponent
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -122,6 +121,8 @@ def power_law(overlap: FloatArray, force: FloatArray) -> PowerLaw:
     >>> round(found.exponent, 9), round(found.r2, 9)
     (1.357, 1.0)
     """
+    from fem.readout import exponent  # not above: the solver takes long to load
+
     s, f = equal_force_steps(overlap, force)
     best = exponent(s, f)
     s, f = s[:-1], f[:-1]

@@ -21,8 +21,8 @@ from scipy.optimize import least_squares
 from calibration.whole_range_data import Targets, evaluate, read_folder, targets
 from calibration.whole_range_errors import report
 from contactlaws import whole_range_constants
-from contactlaws.compiled import ROOT
 from contactlaws.curve import Curve
+from contactlaws.sources import ROOT
 from contactlaws.whole_range_record import Constants, hertz_yield_root
 
 FloatArray = npt.NDArray[np.float64]

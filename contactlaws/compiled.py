@@ -9,8 +9,6 @@ from the disk nor put there, but compiled afresh in each process.
 from __future__ import annotations
 
 import contextlib
-import functools
-import hashlib
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Set
@@ -20,20 +18,9 @@ from typing import Any
 import numba
 from numba import types
 from numba.core.caching import FunctionCache
+from numba.core.registry import cpu_target
 
-ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("contactlaws", "fem", "calibration", "dem", "cases")
-
-
-@functools.cache
-def source_hash(*packages: str) -> str:
-    """Twelve hexadecimal digits that change with any edit of a Python file in `packages`."""
-    digest = hashlib.sha256()
-    for package in packages:
-        for file in sorted((ROOT / package).rglob("*.py")):
-            digest.update(f"{file.relative_to(ROOT)}\0".encode())
-            digest.update(file.read_bytes())
-    return digest.hexdigest()[:12]
+from contactlaws.sources import PACKAGES, source_hash
 
 
 def cache_root() -> Path:
@@ -90,3 +77,9 @@ def kernel(function: Callable[..., Any], fastmath: Set[str] = frozenset()) -> An
         with _cache_folder(function.__module__.split(".")[0]):
             compiled._cache = _ProjectCache(function)
     return compiled
+
+
+if not numba.config.DISABLE_JIT:
+    # numba puts this off to the first call of a kernel, which then takes half a second more; done here, forked processes share it
+    cpu_target.typing_context.refresh()
+    cpu_target.target_context.refresh()

@@ -15,6 +15,7 @@ frictionless flat, in SI units (a pair is made of it in `contactlaws.pair`):
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
@@ -40,17 +41,28 @@ class Law(NamedTuple):
 
 
 _LAWS: dict[type, Law] = {}
+#: the package whose modules bring the laws of this project
+OWN = __name__.split(".")[0]
 
 
 def register(law: Law) -> None:
     """Make a law known to all loops. A record type is registered once; doing it again raises `InputError`."""
+    if not law.record.__module__.startswith(f"{OWN}."):
+        _load_own()  # whose names are taken
     if law.record in _LAWS or any(law.name == other.name for other in _LAWS.values()):
         raise InputError(Problem("law", law.name, "is registered already", "choose another name and another record"))
     _LAWS[law.record] = law
 
 
+def _load_own() -> None:
+    """This project's laws register themselves when they are imported: not before somebody asks, since that takes a second."""
+    for name in importlib.import_module(OWN).__all__:
+        importlib.import_module(f"{OWN}.{name}")
+
+
 def laws() -> dict[str, Law]:
     """All registered laws by name."""
+    _load_own()
     return {law.name: law for law in _LAWS.values()}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contactlaws.compiled import PACKAGES, source_hash
+from contactlaws.sources import PACKAGES, source_hash
 
 __version__ = "0.1.0"
 

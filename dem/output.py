@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-import meshio
 import numpy as np
 
 from contactlaws.files import write_atomically, write_text
@@ -46,6 +45,8 @@ def write_vtu(trajectory: Trajectory, folder: str | Path) -> tuple[Path, ...]:
 
     In ParaView: Glyph, sphere, scale array `diameter`, scale factor 1. Raises `InputError` if it cannot be written there.
     """
+    import meshio  # not above: it takes long to load, and few runs write files
+
     folder, paths = Path(folder), []
     for number, frame in enumerate(trajectory.frames):
         points = wrapped(frame.position, frame.box)

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contactlaws import dispatch
-from contactlaws.compiled import source_hash
 from contactlaws.errors import require
+from contactlaws.sources import source_hash
 from contactlaws.version import code_version
 from dem import checkpoint as disk
 from dem import requirements

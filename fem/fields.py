@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import meshio
 import numpy as np
 
 from contactlaws.files import write_atomically
@@ -13,6 +13,9 @@ from fem.assembly import Discretisation
 from fem.mesh import FloatArray
 from fem.newton import State
 from fem.walk import Visitor
+
+if TYPE_CHECKING:
+    import meshio
 
 
 def contact_pressure(body: Discretisation, state: State) -> FloatArray:
@@ -29,6 +32,8 @@ def contact_pressure(body: Discretisation, state: State) -> FloatArray:
 
 def to_meshio(body: Discretisation, state: State, length: float, stress: float) -> meshio.Mesh:
     """The state as a mesh in SI units: deformed points (r, z, 0) in m, stress components rr, zz, rz, hoop in Pa."""
+    import meshio  # not above: it takes long to load, and few runs ask for fields
+
     points = body.section.mesh.p.T
     pressure = np.zeros(points.shape[0])
     pressure[body.section.surface] = contact_pressure(body, state)

@@ -12,9 +12,8 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import meshio
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import Akima1DInterpolator
@@ -26,6 +25,9 @@ from contactlaws.material import Material
 from fem.assembly import Discretisation, discretise
 from fem.mesh import FloatArray, IntArray, Section
 from fem.press import Progress, press_body, problems_with_run, programme, resolution_for
+
+if TYPE_CHECKING:
+    import meshio
 
 #: Debian's packages with the shared libraries that gmsh's wheel links to
 GMSH_PACKAGES = "libglu1-mesa libgl1 libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1 libgomp1"
@@ -192,6 +194,8 @@ def _corner_areas(points: FloatArray, cells: IntArray) -> FloatArray:
 
 def profile_section(shape: Meridian, divisions: int, core: float) -> Section:
     """Mesh the body with the meridian `shape`; `divisions` and `core` as in `fem.mesh.spheroid`. Raises `InputError` without gmsh."""
+    import meshio  # not above: it takes long to load, and most bodies need none of it
+
     with tempfile.TemporaryDirectory() as folder:
         _write_mesh(shape, core, divisions, Path(folder) / "section.msh")
         read = meshio.read(Path(folder) / "section.msh", file_format="gmsh")

@@ -1,9 +1,14 @@
-"""For all tests: what is skipped when the kernels run interpreted, and why."""
+"""For all tests: what is skipped when the kernels run interpreted, and why; and no example of hypothesis fails for being slow."""
 
 from __future__ import annotations
 
+import hypothesis
 import numba
 import pytest
+
+# the first example may load a library or compile a kernel, and a machine may be busy
+hypothesis.settings.register_profile("untimed", deadline=None)
+hypothesis.settings.load_profile("untimed")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

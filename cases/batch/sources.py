@@ -13,7 +13,7 @@ import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
-from contactlaws.compiled import PACKAGES, ROOT
+from contactlaws.sources import PACKAGES, ROOT
 
 #: messages, files and versions; and the batches themselves, which only carry results
 NO_NUMBERS = (
@@ -22,6 +22,7 @@ NO_NUMBERS = (
     "contactlaws.errors",
     "contactlaws.files",
     "contactlaws.json_input",
+    "contactlaws.sources",
     "contactlaws.version",
     "cases",
 )

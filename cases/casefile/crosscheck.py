@@ -13,8 +13,6 @@ from contactlaws.errors import InputError, Problem
 
 def cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) -> Iterator[Problem]:
     """What no single table can know: names that point nowhere, a plastic curve of a material without yield stress, missing depths."""
-    from contactlaws.dispatch import laws as known_laws
-
     for name, curve in case.curves.items():
         yield from _reference(f"curves.{name}.material", curve.material, declared.get("materials", ()))
         material = case.materials.get(curve.material)
@@ -24,7 +22,7 @@ def cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) -
     for name, fit in case.fits.items():
         if fit.material is not None:
             yield from _reference(f"fits.{name}.material", fit.material, declared.get("materials", ()))
-        yield from _reference(f"fits.{name}.law", fit.law, known_laws(), bound="is not a law that can be fitted")
+        yield from _reference(f"fits.{name}.law", fit.law, _laws(), bound="is not a law that can be fitted")
         for curve_name in fit.curves:
             yield from _reference(f"fits.{name}.curves", curve_name, declared.get("curves", ()), folder)
             if is_file(curve_name) and (folder / curve_name).is_file():
@@ -37,6 +35,12 @@ def cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) -
                 yield from law_problems(f"{kind}.{name}.fit", folder / table.fit)
     for name, scene in case.scenes.items():
         yield from density_problems(f"scenes.{name}.packing_fraction", scene.packing_fraction)
+
+
+def _laws() -> Collection[str]:
+    from contactlaws.dispatch import laws  # not above: compiled code takes long to load, and a study of curves needs none of it here
+
+    return laws()
 
 
 def _curve_problems(name: str, file: Path, fit: FitTable, case: Case) -> Iterator[Problem]:

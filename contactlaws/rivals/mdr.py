@@ -26,10 +26,8 @@ recovered overlap from d_Y to less: both kept as published.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
-
-from scipy.optimize import brentq
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
@@ -69,8 +67,15 @@ def mdr_of(radius: float, youngs_modulus: float, poissons_ratio: float, yield_st
     never = Mdr(radius, youngs_modulus, poissons_ratio, yield_stress, radius, radius, 0.0)
     if not beyond(1.0) > 0.0:
         return never
-    depth = brentq(beyond, 1e-15, 1.0, xtol=1e-15, rtol=1e-14)
+    depth = _root(beyond, 1e-15, 1.0, 1e-15)
     return _with_growth(never._replace(yield_overlap=depth * radius))
+
+
+def _root(function: Callable[[float], float], low: float, high: float, accuracy: float) -> float:
+    """Where `function` changes its sign between `low` and `high`."""
+    from scipy.optimize import brentq  # takes as long to load as all laws together
+
+    return float(brentq(function, low, high, xtol=accuracy, rtol=1e-13))
 
 
 def _with_growth(law: Mdr) -> Mdr:
@@ -83,7 +88,7 @@ def _with_growth(law: Mdr) -> Mdr:
     elif lost(0.999 * radius) <= 0.0:
         return law
     else:
-        start = brentq(lost, law.yield_overlap, 0.999 * radius, xtol=1e-14 * radius, rtol=1e-13)
+        start = _root(lost, law.yield_overlap, 0.999 * radius, 1e-14 * radius)
     height = radius - start
     volume = 2.0 * math.pi * (radius**2 * height - height**3 / 3.0) - unit * float(mdr_volume_strain(law, start, radius))
     return law._replace(growth_overlap=start, plastic_volume=volume)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from cases.batch import sources
-from contactlaws.compiled import PACKAGES, ROOT
+from contactlaws.sources import PACKAGES, ROOT
 
 pytestmark = pytest.mark.compiled_only(reason="nothing is compiled here")
 
@@ -84,7 +84,7 @@ def test_what_pressing_a_body_loads_is_found_by_reading_the_sources() -> None:
     """Against Python itself, with packages whose `__init__` brings nothing along."""
     code = """
 import sys, types
-from contactlaws.compiled import PACKAGES, ROOT
+from contactlaws.sources import PACKAGES, ROOT
 for name in [name for name in sys.modules if name.split(".")[0] in PACKAGES]:
     del sys.modules[name]
 for package in ("contactlaws", "fem"):

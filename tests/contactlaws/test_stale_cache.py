@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from contactlaws.compiled import PACKAGES, ROOT
+from contactlaws.sources import PACKAGES, ROOT
 
 OWN = """
 from contactlaws.elastic import Hertz
