@@ -69,7 +69,7 @@ picture: $(READY) ## the README's picture, from the demo's results
 	@$(BIN)/python -m cases.report.pictures results/quickstart docs/pictures
 
 lock: ## pin all dependencies anew (needs uv)
-	uv pip compile --universal --generate-hashes --python-version 3.11 --group dev --no-annotate --no-header --upgrade pyproject.toml -o requirements.lock
+	uv pip compile --universal --generate-hashes --python-version 3.11 --group dev --extra cluster --no-annotate --no-header --upgrade pyproject.toml -o requirements.lock
 
 clean: ## remove .venv and all caches; results/ stays
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks .import_linter_cache
