@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -100,10 +101,10 @@ def _solve(difference: Difference, inner: FloatArray, parts: Sequence[Block]) ->
     data = float(sum(part.share.sum() for part in parts))
     if inner.size == 0:
         rows = difference(inner)
-        return inner, trust(np.zeros((rows.size, 0)), rows, np.zeros((0, 0)), data), 1, ()
+        return inner, trust(np.zeros((rows.size, 0)), rows, partial(error_product, parts), data), 1, ()
     result = least_squares(difference, inner, method="trf", x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=500)
     failed = () if result.success else (f"the least squares stopped early: {result.message}",)
-    return result.x, trust(result.jac, result.fun, error_product(parts, result.jac), data), int(result.nfev), failed
+    return result.x, trust(result.jac, result.fun, partial(error_product, parts), data), int(result.nfev), failed
 
 
 def _remarks(curves: Sequence[Curve]) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,12 +32,14 @@ class Trust(NamedTuple):
     weakest: FloatArray  # the combination of parameters, of unit length, that is known least
 
 
-def trust(jacobian: FloatArray, residuals: FloatArray, error_product: FloatArray, data: float) -> Trust:
+def trust(jacobian: FloatArray, residuals: FloatArray, error_product: Callable[[FloatArray], FloatArray], data: float) -> Trust:
     """Trust in a least-squares result whose residuals are in units of the curves' error, so that their squares sum to `data` at that error.
 
-    The error of a curve is systematic: more rows do not make it smaller. `error_product` (from `calibration.residuals.error_product`)
-    carries it to the parameters: covariance = (J^T J)^-1 J^T C J (J^T J)^-1. Where the misfit exceeds the curves' error, the law and not
-    the curve is the limit, and the errors are widened by that factor; they are never narrowed below the curves' error.
+    The error of a curve is systematic: more rows do not make it smaller. `error_product` gives A^T C A for any A with a row for each
+    residual (`calibration.residuals.error_product`), C being the covariance of the residuals. The parameters inherit (J^T J)^-1 J^T C J
+    (J^T J)^-1, which is V S^-1 (U^T C U) S^-1 V^T with J = U S V^T: so written it loses no digits where two parameters are hardly told
+    apart. Where the misfit exceeds the curves' error, the law and not the curve is the limit, and the errors are widened by that factor;
+    they are never narrowed below the curves' error.
     """
     size = jacobian.shape[1]
     misfit = math.sqrt(float(residuals @ residuals) / data) if data > 0.0 else 0.0
@@ -47,10 +49,10 @@ def trust(jacobian: FloatArray, residuals: FloatArray, error_product: FloatArray
     weakest = np.where(alive, 0.0, 1.0)
     if not alive.any():
         return Trust(errors, correlation, math.inf if size else 1.0, misfit, weakest)
-    _, singular, directions = np.linalg.svd(jacobian[:, alive] / length[alive], full_matrices=False)
+    left, singular, directions = np.linalg.svd(jacobian[:, alive] / length[alive], full_matrices=False)
     singular = np.maximum(singular, 1e-14 * singular[0])
-    inverse = (directions.T / singular**2) @ directions
-    covariance = inverse @ (error_product[np.ix_(alive, alive)] / np.outer(length[alive], length[alive])) @ inverse
+    inverse = directions.T / singular
+    covariance = inverse @ error_product(left) @ inverse.T
     spread = np.sqrt(np.diag(covariance))
     errors[alive] = max(1.0, misfit) * spread / length[alive]
     correlation[np.ix_(alive, alive)] = covariance / np.outer(spread, spread)
