@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -40,6 +41,14 @@ class Measured:
 
     def __post_init__(self) -> None:
         require(_problems(self))
+
+    @property
+    def content_hash(self) -> str:
+        """Sixteen hexadecimal digits of the rows and the radius."""
+        digest = hashlib.sha256(repr(self.radius).encode())
+        for column in (self.overlap, self.force, self.branch):
+            digest.update(np.ascontiguousarray(column).tobytes())
+        return digest.hexdigest()[:16]
 
     def rows(self, branch: int) -> npt.NDArray[np.int64]:
         """The rows of one branch."""

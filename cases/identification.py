@@ -109,6 +109,7 @@ def json_text(found: Identified) -> str:
         "format": FORMAT,
         "code_version": code_version(),
         "atlas": found.atlas,
+        "measured": found.measured.content_hash,
         "radius": found.measured.radius,
         "rows": int(found.measured.force.size),
         "material": found.material._asdict(),

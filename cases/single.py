@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cases import console
 from cases.batch.store import problems_with_folder
@@ -16,6 +16,10 @@ from cases.options import checked, in_words_of_options, problems_with_output, re
 from contactlaws.curve import Curve
 from contactlaws.errors import InputError, Problem
 from contactlaws.files import write_text
+from contactlaws.version import code_version
+
+if TYPE_CHECKING:
+    from contactlaws.fitted import FittedLaw
 
 CURVE_FILES = (".csv", ".parquet")
 
@@ -158,6 +162,14 @@ def impact(law: Path | None, options: Mapping[str, Any], out: Path | None) -> No
     except InputError as error:
         raise InputError(in_words_of_options(error.problems)) from error
     if out is not None:
-        rows = zip(*(column.tolist() for column in table), strict=True)
-        write_text(out, "\n".join((",".join(table._fields), *(",".join(map(repr, row)) for row in rows))) + "\n")
+        write_text(out, _restitution_csv(table, record, spheres))
     console.show_impact(table, record.name, range_warnings(record, table.speed, table.largest_overlap, spheres.radius))
+
+
+def _restitution_csv(table: Any, law: FittedLaw, spheres: Impact) -> str:
+    """One row per speed, SI units, below comment lines that say what it was made from."""
+    facts = {"law": law.name, "law_curves": " ".join(law.curve_hashes), "law_code": law.code_version}
+    facts |= {"radius": repr(spheres.radius), "density": repr(spheres.density), "code": code_version()}
+    rows = zip(*(column.tolist() for column in table), strict=True)
+    lines = (*(f"# {key}: {value}" for key, value in facts.items()), ",".join(table._fields), *(",".join(map(repr, row)) for row in rows))
+    return "\n".join(lines) + "\n"

@@ -15,7 +15,7 @@ from typing import Any
 from cases.batch.local import DEATHS, Died, Done, Event
 from cases.batch.worker import Job, perform
 from contactlaws.errors import InputError, Problem
-from contactlaws.version import code_version
+from contactlaws.version import code_version, sources_alone
 
 #: jobs that wait at the scheduler for each one in work, so that no worker waits for the client
 AHEAD = 2
@@ -50,11 +50,12 @@ class DaskCluster:
         if max(threads.values()) > 1:
             raise _refused(address, "workers of several threads measure each other's time", "start them with --nthreads 1")
         versions, seen = self._client.run(code_version), self._client.run(_sees, str(folder))
-        others = sorted({version for version in versions.values() if version != code_version()})
+        own = sources_alone(code_version())
+        others = sorted({sources_alone(version) for version in versions.values()} - {own})
         if others:
             raise _refused(
                 address,
-                f"workers run other sources: {others[0]}, here {code_version()}",
+                f"workers run other sources: {others[0]}, here {own}",
                 "install the same version there, and restart them",
             )
         blind = sorted(worker for worker, sees in seen.items() if not sees)

@@ -39,7 +39,7 @@ class Record:
     passing: bool = False  # failed for a cause outside the input (memory, disk, a killed process): the next run tries again
     cpu_seconds: float = 0.0
     wall_seconds: float = 0.0
-    code: str = ""  # release and source hash that made it
+    code: str = ""  # release, source hash and libraries that made it
     input: str = ""  # hash of the input alone: with another key, the same result by other sources
     files: Mapping[str, str] = field(default_factory=dict)  # what it wrote: paths relative to the folder
     sizes: Mapping[str, tuple[int, str]] = field(default_factory=dict)  # bytes and hash of each of them

@@ -19,6 +19,7 @@ from contactlaws.curve_files import read_curve
 from contactlaws.dispatch import law_of
 from contactlaws.elastoplastic import Thornton
 from contactlaws.fitted import FittedLaw
+from contactlaws.version import sources_alone
 
 Block = dict[str, Any]
 There = Mapping[str, Record]
@@ -80,9 +81,10 @@ def _curves(listed: Mapping[str, Any], there: There, curves: Mapping[str, Curve]
     colours = _colours(there[fit].name for fit in laws)
     for task, curve in curves.items():
         users = {there[fit].name: law.law for fit, law in laws.items() if task in listed[fit]["needs"] and _meant_for(law.law, curve)}
+        made_by = sources_alone(there[task].code)
         caption = (
-            f"Curve “{there[task].name}” ({curve.content_hash}, {there[task].code}) against the laws fitted to it; unloadings run to "
-            "separation. Grey band: the curve's own estimated error."
+            f"Curve “{there[task].name}” ({curve.content_hash}, {made_by}) against the laws fitted to it; unloadings run to separation. "
+            "Grey band: the curve's own estimated error."
         )
         yield figures((plots.curve_against_laws(curve, users, colours), caption))
 
@@ -190,7 +192,12 @@ def _scenes(folder: Path, listed: Mapping[str, Any], there: There, laws: Mapping
     yield figures(
         (plots.stress_strain(histories, _colours(histories)), f"Axial stress against axial strain, compression and release: {caption}.")
     )
-    yield figures(*((plots.energies(values), f"Energy balance of “{name}”; {scenes[name].code}.") for name, values in histories.items()))
+    yield figures(
+        *(
+            (plots.energies(values), f"Energy balance of “{name}”; {sources_alone(scenes[name].code)}.")
+            for name, values in histories.items()
+        )
+    )
     rows = []
     for name, values in histories.items():
         peak = int(values["strain_z"].argmax())
@@ -223,9 +230,12 @@ def _costs(case: Mapping[str, Any], there: There) -> Iterator[Block]:
         if record is not None:
             made_from = ", ".join((*item["needs"], *(Path(path).name for path in item["given"]))) or "input alone"
             apart = number(record.summary.get("cost", record.summary.get("statistics", {}).get("cpu_seconds")), 3)
-            rows.append((record.task, record.key, made_from, record.code.removeprefix("fe2dem "), f"{record.cpu_seconds:.1f}", apart))
+            code = sources_alone(record.code).removeprefix("fe2dem ")
+            rows.append((record.task, record.key, made_from, code, f"{record.cpu_seconds:.1f}", apart))
     yield text(
         "CPU seconds of each result when it was made, compilation of kernels included; apart: what the solver took, where it says so. "
         "The key is a hash of the checked input, of what it was made from, and of the sources."
     )
     yield table(("result", "key", "made from", "code", "CPU s", "solver apart"), rows)
+    for code in sorted({record.code for record in there.values()}):
+        yield text(f"{code}.", note=True)

@@ -55,6 +55,8 @@ def test_identify_writes_numbers_profiles_and_a_picture(measured, tmp_path, caps
     out = tmp_path / "found"
     assert execute(["identify", str(measured), "--poissons-ratio", "0.3", "--out", str(out)]) == 0
     found = json.loads((out / "identified.json").read_text())
+    assert found["code_version"].startswith("fe2dem")
+    assert len(found["measured"]) == len(found["atlas"]) == 16
     low, high = found["intervals_95_percent"]["youngs_modulus"]
     assert low < 210e9 < high
     assert (out / "identified.png").read_bytes().startswith(b"\x89PNG")

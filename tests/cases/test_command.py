@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,7 @@ from contactlaws.elastic import Hertz
 from contactlaws.errors import InputError
 from contactlaws.fitted import FittedLaw, save
 from contactlaws.path import scan
+from contactlaws.version import code_version
 from fem.profile import load_gmsh
 
 HERTZ = Hertz(radius=1.0, reduced_modulus=1e9)
@@ -240,6 +242,17 @@ def test_a_law_used_outside_its_range_says_so(place: Path, capsys: pytest.Captur
     assert "from 500 m/s on" in shown.err
     assert "0.05" in shown.err
     assert "extrapolated" in shown.err
+
+
+def test_a_table_of_restitution_says_what_it_is_from(place: Path) -> None:
+    assert execute(["impact", "law.json", "--radius", "1", "--density", "1000", "--speed", "0.1", "0.2", "--out", "e.csv"]) == 0
+    lines = (place / "e.csv").read_text().splitlines()
+    facts = dict(line.removeprefix("# ").split(": ", 1) for line in lines if line.startswith("#"))
+    law = json.loads((place / "law.json").read_text())
+    assert facts["law"] == law["law"]
+    assert facts["law_curves"] == " ".join(law["curve_hashes"])
+    assert facts["code"] == code_version()
+    assert len([line for line in lines if not line.startswith("#")]) == 3  # header, two speeds
 
 
 def test_a_fit_of_a_measured_curve(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
