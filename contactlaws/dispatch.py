@@ -61,9 +61,9 @@ def _load_own() -> None:
 
 
 def laws() -> dict[str, Law]:
-    """All registered laws by name."""
+    """All registered laws by name, in alphabetical order: that of registration depends on who was imported first."""
     _load_own()
-    return {law.name: law for law in _LAWS.values()}
+    return {law.name: law for law in sorted(_LAWS.values(), key=lambda law: law.name)}
 
 
 def law_of(record: object) -> Law:
