@@ -1,46 +1,52 @@
-"""What each registered law costs: nanoseconds per contact alone and in the DEM's pair kernel, while loading and while unloading.
+"""What each registered law costs: nanoseconds per contact alone and in the DEM's pair kernel, while loading, unloading and reloading.
 
-    python -m cases.benchmarks.law_cost
+    python -m cases.benchmarks.law_cost [LAW ...]
 
-Alone: one compiled loop over contacts with their memory in an array, as a simulation keeps it. In the pair kernel: the packed spheres of
-`dem_speed`, shrunk or swelled a little before every pass so that every contact loads or unloads; the time of a pass over the contacts that
-touch. The laws take turns and the least of many passes counts, so their ratios hold on a busy machine. One thread; compiled before.
+Every law is that of one material, as the atlas foretells its curve (`calibration.predict`). Alone: one compiled loop over contacts with
+their memory in an array, as a simulation keeps it. In the pair kernel: packed spheres, shrunk or swelled a little before every pass so that
+every contact goes on; the time of a pass over the contacts that touch. A law without memory unloads as it loads. The laws take turns and
+the least of many passes counts, so their ratios hold on a busy machine. One thread; compiled before.
 """
 
 from __future__ import annotations
 
+import sys
 import time
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+import calibration
+from calibration.recipes import recipe_for
 from contactlaws import dispatch
 from contactlaws.compiled import kernel
-from contactlaws.edmans_sinka import EdmansSinka
-from contactlaws.elastic import Hertz, HertzFiniteSize
-from contactlaws.elastoplastic import Thornton
+from contactlaws.errors import InputError, Problem
 from contactlaws.material import Material
-from contactlaws.whole_range import whole_range
+from contactlaws.whole_range import whole_range_compact
 from dem.box import Box
 from dem.forces import pair_forces
-from dem.packing import random_close_packing
+from dem.packing import Packing, random_close_packing
 from dem.particles import spheres
 from dem.working import working
+
+FloatArray = npt.NDArray[np.float64]
 
 RADIUS, MATERIAL = 5e-6, Material(142e9, 0.25, 7.9e9, 4750.0)
 SPHERES, PACKING_FRACTION, SQUEEZE = 4_000, 0.6, 0.95
 CONTACTS, DEEPEST = 10_000, 0.2  # alone: contacts, and their largest overlap over the radius
-STEP, PASSES = 1e-6, 60
+STEP, PASSES, WARM_UP = 1e-6, 60, 2
+BASE = "hertz"
+#: the way of the overlap in each phase; the last pass of reloading ends where unloading began, so no last pass counts
+PHASES = {"loading": 1.0, "unloading": -1.0, "reloading": 1.0}
 
 
 class Cost(NamedTuple):
-    """ns per contact."""
+    """ns per contact, in the order of `PHASES`."""
 
-    alone_loading: float
-    alone_unloading: float
-    pair_loading: float
-    pair_unloading: float
+    alone: tuple[float, ...]
+    pair: tuple[float, ...]
 
 
 @kernel
@@ -53,40 +59,51 @@ def _alone(law, overlap, memory):  # type: ignore[no-untyped-def]
     return total
 
 
-def laws() -> dict[str, Any]:
-    """One record of each law for the same material, Hertz first."""
-    reduced = MATERIAL.reduced_modulus
-    assert MATERIAL.yield_stress is not None
-    shape = (0.1, 0.8, 0.3, 0.05, 0.6)
-    edmans_sinka = (0.25, 0.0, 0.0, 1.5, 2.8, 1.0, 1.0, 1.42, 2.5, 0.454, 0.41, 2.0, 2.9932, 0.1206, 0.4865, 0.2563, 0.3429)
-    return {
-        "hertz": Hertz(RADIUS, reduced),
-        "hertz_finite_size": HertzFiniteSize(RADIUS, reduced, *shape),
-        "thornton": Thornton(RADIUS, reduced, 1.6 * MATERIAL.yield_stress),
-        "edmans_sinka": EdmansSinka(RADIUS, reduced, MATERIAL.poissons_ratio, MATERIAL.yield_stress, *shape, *edmans_sinka),
-        "whole_range": whole_range(MATERIAL, RADIUS),
-    }
+def records(names: Sequence[str] = ()) -> dict[str, Any]:
+    """One record of each registered law (or of those named, and Hertz's) for the same material, Hertz's first."""
+    known = dispatch.laws()
+    for name in names:
+        if name not in known:
+            raise InputError(Problem("law", name, f"must be one of {', '.join(known)}", "leave it out for all of them"))
+    wanted = [name for name in known if name in names or not names]
+    return {name: _record(name) for name in dict.fromkeys((BASE, *wanted))}
 
 
-def _timed_alone(law: Any, overlap: npt.NDArray[np.float64], memory: npt.NDArray[np.float64]) -> float:
-    began = time.perf_counter()
-    _alone(law, overlap, memory)
-    return time.perf_counter() - began
+def _record(name: str) -> Any:
+    if name == "whole_range_compact":  # made of the material alone
+        return whole_range_compact(MATERIAL, RADIUS)
+    return calibration.predict(MATERIAL, radius=RADIUS, max_overlap=DEEPEST, law=recipe_for(name).law).law.law
+
+
+class _Contacts:
+    """Contacts of all depths on one law, moved a little for each pass."""
+
+    def __init__(self, law: Any):
+        self.law, self.scale = law, 1.0
+        self.overlap = np.random.default_rng(1).uniform(0.01, 1.0, CONTACTS) * DEEPEST * RADIUS
+        self.memory = np.zeros((CONTACTS, len(dispatch.law_of(law).memory)))
+
+    def timed(self, way: float) -> float:
+        """Move by one step, then time one pass; ns per contact."""
+        self.scale += way * STEP
+        moved = self.overlap * self.scale
+        began = time.perf_counter()
+        _alone(self.law, moved, self.memory)
+        return (time.perf_counter() - began) / CONTACTS * 1e9
 
 
 class _Packed:
     """The packed spheres on one law, to be passed over again and again."""
 
-    def __init__(self, law: Any):
-        packing = random_close_packing(SPHERES, PACKING_FRACTION, RADIUS, seed=1)
+    def __init__(self, law: Any, packing: Packing):
         x, y, z = (SQUEEZE * edge for edge in packing.box.lengths)
         self.law, self.work = law, working(law, spheres(SQUEEZE * packing.position, RADIUS, 4750.0), Box((x, y, z)), 0.1 * RADIUS)
-        self.scale = 1.0
+        self.start, self.scale = self.work.position.copy(), 1.0
 
-    def timed(self, factor: float) -> float:
-        """Scale lengths by `factor`, then time one pass over all pairs; ns per contact."""
-        work, self.scale = self.work, self.scale * factor
-        work.position[:] *= factor
+    def timed(self, way: float) -> float:
+        """Scale lengths by one step, then time one pass over all pairs; ns per contact."""
+        work, self.scale = self.work, self.scale - way * STEP
+        work.position[:] = self.start * self.scale
         motion = (work.position, work.velocity, work.radius, work.one_radius, work.pairs.lengths * self.scale, np.zeros(3), 0.0)
         contacts = (work.pairs.start, work.pairs.partner, work.pairs.image, work.pairs.images, work.memory, work.magnitude)
         began = time.perf_counter()
@@ -94,29 +111,39 @@ class _Packed:
         return (time.perf_counter() - began) / np.count_nonzero(work.magnitude) * 1e9
 
 
-def measure(records: dict[str, Any]) -> dict[str, Cost]:
-    """The least of `PASSES` passes of each kind, the laws taking turns."""
-    packed = {name: _Packed(law) for name, law in records.items()}
-    depth = np.random.default_rng(1).uniform(0.01, 1.0, CONTACTS) * DEEPEST * RADIUS
-    memory = {name: np.zeros((CONTACTS, len(dispatch.law_of(law).memory))) for name, law in records.items()}
-    rows: dict[str, list[list[float]]] = {name: [[], [], [], []] for name in records}
-    for sign, column in ((1.0, 0), (-1.0, 1)):
-        for turn in range(PASSES):
-            for name, law in records.items():
-                moved = depth * (1.0 + sign * STEP * (turn + 1))
-                rows[name][column].append(_timed_alone(law, moved, memory[name]) / CONTACTS * 1e9)
-                rows[name][column + 2].append(packed[name].timed(1.0 - sign * STEP))
-    return {name: Cost(*(float(np.min(times[2:])) for times in columns)) for name, columns in rows.items()}
+def measure(laws: Mapping[str, Any]) -> dict[str, Cost]:
+    """The least of `PASSES` passes of each phase, the laws taking turns."""
+    packing = random_close_packing(SPHERES, PACKING_FRACTION, RADIUS, seed=1)
+    alone = {name: _Contacts(law) for name, law in laws.items()}
+    packed = {name: _Packed(law, packing) for name, law in laws.items()}
+    found = {name: Cost((), ()) for name in laws}
+    for way in PHASES.values():
+        rows = np.array([[(alone[name].timed(way), packed[name].timed(way)) for name in laws] for _ in range(PASSES)])
+        for name, (own, pair) in zip(laws, rows[WARM_UP:-1].min(axis=0).tolist(), strict=True):
+            found[name] = Cost((*found[name].alone, own), (*found[name].pair, pair))
+    return found
 
 
-def main() -> None:
-    """Measure and print."""
-    found = measure(laws())
-    hertz = found["hertz"]
-    print("ns per contact (times Hertz)     alone: loading    unloading     pair kernel: loading     unloading")
+def rows(found: Mapping[str, Cost], memories: Mapping[str, int]) -> list[str]:
+    """One line per law: ns per contact, and in brackets how many times Hertz's in the same phase."""
+    heads = [f"{place}: {phase}" if not number else phase for place in ("alone", "pair kernel") for number, phase in enumerate(PHASES)]
+    lines = [f"{'ns per contact (times Hertz)':30s}" + "".join(f"{head:>22s}" for head in heads)]
+    base = found[BASE]
     for name, cost in found.items():
-        print(f"{name:20s}" + "".join(f"{value:14.1f} ({value / base:5.2f})" for value, base in zip(cost, hertz, strict=True)))
+        cells = ""
+        for own, other in ((cost.alone, base.alone), (cost.pair, base.pair)):
+            for number, (value, hertz) in enumerate(zip(own, other, strict=True)):
+                cells += f"{'as loading' if number and not memories[name] else f'{value:.1f} ({value / hertz:.2f})':>22s}"
+        lines.append(f"{name:30s}{cells}")
+    return lines
+
+
+def main(names: Sequence[str]) -> None:
+    """Measure and print."""
+    laws = records(names)
+    memories = {name: len(dispatch.law_of(law).memory) for name, law in laws.items()}
+    print("\n".join(rows(measure(laws), memories)))
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
