@@ -47,16 +47,18 @@ def _next_step(solver: Equilibrium, before: State | None, state: State, place: i
     return ahead, extrapolated(solver, before, state, step / walked)
 
 
-def interval(solver: Equilibrium, start: State, place: int, expected: float, largest_force: float, steps: Steps) -> list[State]:
+def interval(
+    solver: Equilibrium, start: State, place: int, expected: float, largest_force: float, steps: Steps, before: State | None = None
+) -> list[State]:
     """The states from `start` (not included) to the landing of surface node number `place`, about `expected` in overlap away.
 
+    before: the state before `start`; the first step is predicted from how the body moved between them.
     Raises `NoEquilibrium` when no step, however small, succeeds.
     """
     path: list[State] = [start]
     step = steps.first * expected
     while True:
-        before = path[-2] if len(path) > 1 else None
-        control, guess = _next_step(solver, before, path[-1], place, step)
+        control, guess = _next_step(solver, path[-2] if len(path) > 1 else before, path[-1], place, step)
         try:
             new = solver.step(path[-1], control, largest_force, guess, free=place)
         except NoEquilibrium:
@@ -83,7 +85,7 @@ def landings(solver: Equilibrium, steps: Steps) -> Iterator[tuple[int, list[Stat
 
     Ends when one element of free surface is left; raises `NoEquilibrium` when the solver gives up.
     """
-    state, before, largest = solver.start(), None, 0.0
+    state, before, just_before, largest = solver.start(), None, None, 0.0
     radius = solver.body.section.mesh.p[0, solver.body.section.surface]
     # the free surface cannot fold within its last element: the node above the mid-plane lands when next to nothing is left of the body
     for place in range(int(np.count_nonzero(state.active)), radius.size - 2):
@@ -91,8 +93,8 @@ def landings(solver: Equilibrium, steps: Steps) -> Iterator[tuple[int, list[Stat
             expected = max(float(solver.gaps(state.displacement)[place]), 1e-12)
         else:
             expected = (state.overlap - before.overlap) * min(1.5, state.overlap / before.overlap)
-        path = interval(solver, state, place, expected, largest, steps)
-        before, state = state, path[-1]
+        path = interval(solver, state, place, expected, largest, steps, just_before)
+        before, just_before, state = state, [state, *path][-2], path[-1]
         largest = max(largest, state.force)
         yield place, path
 

@@ -1,22 +1,28 @@
 """Unloading by one factorisation: the body responds almost linearly, only the contact opens.
 
 While the body is let go it is elastic almost everywhere, and what is not linear in it is small (strains of the order Y/E). So the elastic
-tangent of the state it leaves from, factorised once with the contact free, serves many steps: each iteration asks for nodal forces only.
+tangent of the state it leaves from, factorised once with the contact free, serves many steps: each iteration asks for nodal forces only,
+and what the iterations of a step show of the body beyond these factors corrects them.
 Which nodes rest is found in the same breath: seen from the contact, the body is its compliance matrix, and resting forces (none pulls) and
 gaps (none negative) that exclude each other are a small complementarity problem.
 """
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 
-from fem.mesh import FloatArray
+from fem.mesh import FloatArray, IntArray
 from fem.newton import PENETRATION, RESIDUAL, BoolArray, Equilibrium, Guess, NoEquilibrium, State
 
 ITERATIONS = 20
+MEMORY = 5  # iterations that correct the factors
+ALIKE = 1e-10  # square of the sine between two changes of force, below which they count as one
 SLOW = 8  # a step of more iterations asks for a new factorisation
 CONTRACTION = 0.7  # of the residual in each iteration, at least; else the tangent is too old
-FREE_RESIDUAL = 0.01 * RESIDUAL  # off the flat: there the largest force is not that of the state, whose stresses are small
+FREE_RESIDUAL = 0.001 * RESIDUAL  # off the flat: there the largest force is not that of the state, whose stresses are small
 
 
 def complementary(compliance: FloatArray, gaps: FloatArray, resting: BoolArray) -> FloatArray:
@@ -33,6 +39,44 @@ def complementary(compliance: FloatArray, gaps: FloatArray, resting: BoolArray) 
             return force
         resting = wanted
     raise NoEquilibrium("the contact does not settle")
+
+
+class _Iterate(NamedTuple):
+    """Where one iteration stood."""
+
+    displacement: FloatArray  # (dofs,)
+    free: FloatArray  # forces on components that nothing holds
+    by_factors: FloatArray  # displacement that the factors take for these forces
+
+
+class Secants:
+    """What the last iterations have shown of the body beyond its factors: a correction of their inverse, in least squares (Anderson).
+
+    Forces changed by `y` when the displacement changed by `s`, of which the factors say `h`: the inverse is given s - h for a force y.
+    """
+
+    def __init__(self, dofs: IntArray, size: int):
+        self.dofs = dofs
+        self.forces: FloatArray = np.zeros((0, size))  # (pairs, all dofs): unit vectors y
+        self.missed: FloatArray = np.zeros((0, size))  # s - h for them
+        self.inverse: FloatArray = np.zeros((0, 0))  # of the products of `forces`
+
+    def add(self, moved: FloatArray, forces: FloatArray, by_factors: FloatArray) -> None:
+        """Take over one pair; the oldest is forgotten."""
+        size = math.sqrt(float(forces @ forces))
+        if not size > 0.0:
+            return
+        self.forces = np.concatenate([self.forces[1 - MEMORY :], forces[None, :] / size])
+        self.missed = np.concatenate([self.missed[1 - MEMORY :], (moved - by_factors)[None, :] / size])
+        self.inverse = np.asarray(np.linalg.inv(self.forces @ self.forces.T + ALIKE * np.eye(self.forces.shape[0])))
+
+    def corrected(self, forces: FloatArray, by_factors: FloatArray) -> FloatArray:
+        """The displacement for `forces`, of which the factors alone say `by_factors`."""
+        return by_factors + (self.inverse @ (self.forces @ forces)) @ self.missed
+
+    def of_units(self) -> FloatArray:
+        """(contact nodes, pairs): how much of each pair there is in a unit of force on each contact node."""
+        return self.forces[:, self.dofs].T @ self.inverse
 
 
 class Release:
@@ -61,6 +105,8 @@ class Release:
         displacement[:, 1] += overlap - (start if guess is None else guess).overlap
         resting = start.active[self.nodes] & contact
         force, last = np.where(resting, -start.reaction[self.nodes], 0.0), np.inf
+        before: _Iterate | None = None
+        secants = Secants(self.dofs, solver.body.dofs)
         for iteration in range(ITERATIONS):
             if not solver.evaluate(displacement, start.history):
                 raise NoEquilibrium("an element was turned inside out")
@@ -76,17 +122,25 @@ class Release:
             if iteration > 1 and not residual < CONTRACTION * last:
                 raise NoEquilibrium("the tangent is too old")
             last = residual
-            update = -free[None, :]
-            solver.solve(update)
+            by_factors = free.copy()
+            solver.solve(by_factors[None, :])
+            if before is not None:
+                secants.add(displacement.ravel() - before.displacement, free - before.free, by_factors - before.by_factors)
+            before = _Iterate(displacement.ravel().copy(), free, by_factors)
+            update = -secants.corrected(free, by_factors)
             if contact:
-                with solver.statistics.timed("contact"):
-                    gaps = solver.gaps(displacement)[self.nodes] - update[0, self.dofs]
-                    force = complementary(self.compliance, gaps, resting)
-                resting = force > 0.0
-                update[0] -= force @ self.response
+                force, moved = self._rest(solver.gaps(displacement)[self.nodes] - update[self.dofs], resting, secants)
+                resting, update = force > 0.0, update - moved
             displacement += update.reshape(-1, 2)
             solver.statistics.iterations += 1
         raise NoEquilibrium(f"no convergence in {ITERATIONS} iterations")
+
+    def _rest(self, gaps: FloatArray, resting: BoolArray, secants: Secants) -> tuple[FloatArray, FloatArray]:
+        """Forces on the resting nodes that close `gaps`, which the body would have without them, and the displacement they take off."""
+        with self.solver.statistics.timed("contact"):
+            units = secants.of_units()
+            force = complementary(self.compliance + (units @ secants.missed[:, self.dofs]).T, gaps, resting)
+            return force, force @ self.response + (force @ units) @ secants.missed
 
     def _accepted(self, start: State, displacement: FloatArray, overlap: float, resting: BoolArray, force: float) -> State:
         solver = self.solver

@@ -13,7 +13,7 @@ from fem.march import Steps, landings, unload
 from fem.mesh import spheroid
 from fem.newton import RESIDUAL, ByOverlap, Equilibrium, NoEquilibrium, State
 from fem.press import moduli_of
-from fem.release import Release, complementary
+from fem.release import Release, Secants, complementary
 
 
 @given(st.integers(1, 8), st.integers(0, 10**6))
@@ -32,6 +32,26 @@ def test_forces_and_gaps_exclude_each_other(size: int, seed: int):
     assert force.min() >= 0.0
     assert left.min() > -1e-9
     np.testing.assert_allclose(force * left, 0.0, atol=1e-9 * (1.0 + force.max()))
+
+
+@given(st.integers(1, 4), st.integers(0, 10**6))
+@settings(deadline=None)
+def test_secants_are_exact_where_a_linear_body_has_been_seen(pairs: int, seed: int):
+    """Forces in the span of those seen get the displacement of the true stiffness, whatever the factors say; so do unit forces in it."""
+    rng = np.random.default_rng(seed)
+    size = 6
+    stiffness = np.eye(size) + 0.2 * rng.standard_normal((size, size))
+    flexible = np.linalg.inv(np.eye(size) + 0.2 * rng.standard_normal((size, size)))  # what the factors take for its inverse
+    moved = rng.standard_normal((pairs, size))
+    secants = Secants(np.arange(size), size)
+    for s in moved:
+        secants.add(s, stiffness @ s, flexible @ stiffness @ s)
+    wanted = rng.standard_normal(pairs) @ moved
+    forces = stiffness @ wanted
+    # the products of the forces are inverted to 1e-10 of their size; nearly parallel ones multiply that
+    tolerance = 1e-9 * np.linalg.cond(stiffness @ moved.T) ** 2 * np.abs(moved).max() * size
+    np.testing.assert_allclose(secants.corrected(forces, flexible @ forces), wanted, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(flexible @ forces + (forces @ secants.of_units()) @ secants.missed, wanted, rtol=0, atol=tolerance)
 
 
 def deep(solver: Equilibrium, overlap: float) -> State:
