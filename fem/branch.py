@@ -4,6 +4,8 @@ As nodes land and leave one by one, the force between two landings is a sawtooth
 where between two landings it starts. At the instants of landing the contact edge always stands in the same place of the mesh, so what is
 recovered from there has no ripple at all: over the logarithm of the overlap it is a smooth curve, on which a polynomial through the four
 nearest instants finds any overlap within .1 % (measured against unloadings from every landing, E/Y 10 to 1000).
+
+A body that has not yielded anywhere goes back the way it came: nothing is computed for it here, `fem.readout` reads its loading backwards.
 """
 
 from __future__ import annotations
@@ -126,16 +128,22 @@ class Unloader:
         self.solver, self.steps, self.asked = solver, steps, tuple(unload_from)
         self.computed: list[Branch] = []
         self.failed: dict[float, str] = {}  # overlaps asked for whose unloading the solver gave up, and why
+        self.elastic: tuple[float, ...] = ()  # overlaps asked for at which the body had not yielded
         self.bracketed = 0  # of the overlaps asked for
         self.before: State | None = None  # the last landing but one
         self.passed, self.newest = 0, -9  # numbers of landings: the last one, and the last one in `computed`
 
-    def interval(self, states: Sequence[State], place: int) -> None:
-        """Do what starts between two landings (first and last of `states`); surface node `place` lands at the end."""
+    def interval(self, states: Sequence[State], place: int, yield_overlap: float) -> None:
+        """Do what starts between two landings (first and last of `states`); surface node `place` lands at the end.
+
+        yield_overlap: of first yield, infinite if there was none up to now.
+        """
         below, above = states[0], states[-1]
         waiting = [a for a in self.asked[self.bracketed :] if a < above.overlap]
         self.bracketed += len(waiting)
         self.passed += 1
+        self.elastic += tuple(a for a in waiting if a <= yield_overlap)
+        waiting = [a for a in waiting if a > yield_overlap]
         try:
             if waiting and below.overlap <= 0.0:
                 # before the first landing there is no ripple, and nothing to interpolate with
@@ -166,7 +174,8 @@ class Unloader:
         """One for each overlap asked for, as far as there are landings around it."""
         if not self.computed:
             return []
-        found = (a for a in self.asked[: self.bracketed] if a not in self.failed and a <= self.computed[-1].start)
+        without = {*self.failed, *self.elastic}
+        found = (a for a in self.asked[: self.bracketed] if a not in without and a <= self.computed[-1].start)
         return [carried(self.computed, a) for a in found]
 
     def states(self, states: Sequence[State], place: int, overlap: float) -> list[State]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +12,7 @@ import numpy as np
 from contactlaws.curve import Curve
 from contactlaws.material import Material
 from fem import readout
-from fem.branch import Branch
+from fem.branch import SHARES, Branch
 from fem.first_yield import FirstYield
 from fem.mesh import FloatArray
 from fem.walk import Walk
@@ -49,9 +51,8 @@ def first_row(fine: Walk, coarse: Walk, divisions: int) -> float:
     return float(max(run.landing_overlap[rows_with(run, m)] for run, m in ((fine, divisions), (coarse, divisions // 2))))
 
 
-def _row_overlaps(fine: Walk, first: float, last: float) -> FloatArray:
+def _row_overlaps(fine: Walk, starts: Sequence[float], first: float, last: float) -> FloatArray:
     own = fine.landing_overlap[(fine.landing_overlap >= first) & (fine.landing_overlap < last)]
-    starts = [b.start for b in fine.branches]
     rows = np.unique(np.concatenate([own, starts, [last]]))
     # a landing next to a stored state would make a row pair that is useless for interpolation
     keep = np.ones(rows.size, dtype=bool)
@@ -62,6 +63,16 @@ def _row_overlaps(fine: Walk, first: float, last: float) -> FloatArray:
         elif near and rows[i + 1] not in starts and rows[i + 1] != last:
             keep[i + 1] = False
     return np.asarray(rows[keep])
+
+
+def _raw_force(run: Walk, overlap: FloatArray) -> FloatArray:
+    return np.interp(overlap, np.append(0.0, run.path_overlap), np.append(0.0, run.path_force))
+
+
+def _branches(run: Walk, read: Callable[[FloatArray], readout.Loading], first: float) -> list[Branch]:
+    """The unloadings of one mesh, those of the body before it yields from its loading, which `read` resolves from `first` on."""
+    elastic = [readout.retraced_branch(readout.from_zero(read, first, a * SHARES), a) for a in run.elastic]
+    return [*elastic, *run.branches]
 
 
 def _relative(better: FloatArray, fine: FloatArray, least: float) -> float:
@@ -95,23 +106,32 @@ def compose(
     """The curve of `fine`, extrapolated with `coarse`, up to the overlap `largest` or where the runs stopped."""
     scale = Scales(radius, material.stress_unit)
     last = min(largest, *(w.landing_overlap[-1] if w.stopped else largest for w in (fine, coarse)))
-    branches = [(f, c) for f in fine.branches for c in coarse.branches if f.start == c.start <= last]
-    overlap = _row_overlaps(fine._replace(branches=tuple(f for f, _ in branches)), first_row(fine, coarse, divisions), last)
-    own = readout.loading(fine, overlap, rows_with(fine, divisions // 2 + 1))
-    rows = readout.extrapolated(own, readout.loading(coarse, overlap, rows_with(coarse, divisions // 4 + 1)))
+    first = first_row(fine, coarse, divisions)
+    read_fine = partial(readout.loading, fine, skip=rows_with(fine, divisions // 2 + 1))
+    read_coarse = partial(readout.loading, coarse, skip=rows_with(coarse, divisions // 4 + 1))
+
+    def read(overlap: FloatArray) -> readout.Loading:
+        return readout.extrapolated(read_fine(overlap), read_coarse(overlap))
+
+    both = product(_branches(fine, read_fine, first), _branches(coarse, read_coarse, first))
+    branches = [(f, c) for f, c in both if f.start == c.start <= last]
+    overlap = _row_overlaps(fine, [f.start for f, _ in branches], first, last)
+    own, rows = read_fine(overlap), read(overlap)
     unloads = []
     for f, c in branches:
-        k = int(np.argmin(np.abs(overlap - f.start)))
-        unloads.append(readout.unloading(readout.better(f, c), readout.Loading(*(column[k : k + 1] for column in rows))))
+        if f.start in fine.elastic:
+            at = f.start * SHARES
+            unloads.append(readout.retraced(readout.from_zero(read, first, at), at, _raw_force(fine, at)))
+        else:
+            unloads.append(readout.unloading(readout.better(f, c), read(np.array([f.start]))))
     least = SMALLEST_ERROR / divisions**2
     errors = {"force": _relative(rows.force, own.force, least)}
     errors |= {"contact_radius": _relative(rows.contact_radius, own.contact_radius, least)}
     errors |= _branch_errors(branches, errors["force"], divisions)
-    raw = np.interp(overlap, fine.path_overlap, fine.path_force)
     columns = {
         "overlap": np.concatenate([[0.0], overlap, *(np.maximum(u.overlap, 0.0) for u in unloads)]) * scale.length,
         "force": np.concatenate([[0.0], rows.force, *(u.force for u in unloads)]) * scale.force,
-        "raw_force": np.concatenate([[0.0], raw, *(u.raw_force for u in unloads)]) * scale.force,
+        "raw_force": np.concatenate([[0.0], _raw_force(fine, overlap), *(u.raw_force for u in unloads)]) * scale.force,
         "contact_radius": np.concatenate([[0.0], rows.contact_radius, *(u.contact_radius for u in unloads)]) * scale.length,
         "stored_energy": np.concatenate([[0.0], rows.stored, *(u.stored for u in unloads)]) * scale.energy,
         "dissipated_energy": np.concatenate([[0.0], rows.dissipated, *(u.dissipated for u in unloads)]) * scale.energy,

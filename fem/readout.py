@@ -10,13 +10,14 @@ edge lies between two nodes) and for what is recovered from the instants of land
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from fem.branch import Branch
+from fem.branch import SHARES, Branch
 from fem.mesh import FloatArray
 from fem.walk import Walk
 
@@ -55,6 +56,35 @@ def loading(walk: Walk, overlap: FloatArray, skip: int) -> Loading:
     energy = np.exp(work(at))
     share = PchipInterpolator(x, walk.landing_dissipated[rows] / (walk.landing_stored[rows] + walk.landing_dissipated[rows]))(at)
     return Loading(energy / overlap * work(at, 1), np.exp(radius(at)), energy * (1.0 - share), energy * share)
+
+
+def from_zero(read: Callable[[FloatArray], Loading], first: float, overlap: FloatArray) -> Loading:
+    """The loading of a body that has not yielded, at `overlap` from 0 on: `read` gives it where the contact is resolved, from `first` on.
+
+    Below, the force is the power p of the overlap that has done the right work up to `first`; the contact radius, which goes with its
+    slope, is the power p - 1 (Hertz: 3/2 and 1/2).
+    """
+    last = read(np.array([first]))
+    power = float(last.force[0] * first / last.stored[0]) - 1.0
+    share = np.minimum(overlap / first, 1.0)
+    resolved = read(np.maximum(overlap, first))
+    return Loading(
+        force=resolved.force * share**power,
+        contact_radius=resolved.contact_radius * share ** max(power - 1.0, 0.0) * (share > 0.0),
+        stored=resolved.stored * share ** (power + 1.0),
+        dissipated=resolved.dissipated * 0.0,
+    )
+
+
+def retraced(loaded: Loading, overlap: FloatArray, raw_force: FloatArray) -> Unloading:
+    """The unloading of a body that has not yielded, which is its loading: `loaded` at `overlap`, down to 0."""
+    return Unloading(overlap, loaded.force, loaded.contact_radius, loaded.stored, loaded.dissipated, raw_force)
+
+
+def retraced_branch(loaded: Loading, start: float) -> Branch:
+    """The same of one mesh, `loaded` at `SHARES` of the overlap `start`."""
+    shape, retreat = loaded.force / loaded.force[0], loaded.contact_radius / loaded.contact_radius[0]
+    return Branch(start, start, float(loaded.force[0]), shape, np.zeros_like(SHARES), retreat)
 
 
 def unloading(fine: Branch, start: Loading) -> Unloading:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -35,6 +36,7 @@ class Walk(NamedTuple):
     path_overlap: FloatArray
     path_force: FloatArray
     branches: tuple[Branch, ...]
+    elastic: tuple[float, ...]  # overlaps asked for at which the body had not yielded: it unloads along its loading, without a branch
     yield_overlap: float | None
     yield_place: tuple[float, float] | None
     stopped: str | None
@@ -73,12 +75,17 @@ class _Recorder:
                 self._row(place - 1, state, place)
         self._row(place, states[-1], place + 1)
 
+    @property
+    def yield_overlap(self) -> float:
+        """Overlap at first yield, infinite if there was none up to now."""
+        return self.yielded[0] if self.yielded else math.inf
+
     def _row(self, place: int, state: State, resting: int) -> None:
         node = self.body.section.surface[place]
         radius = float(self.body.section.mesh.p[0, node] + state.displacement[node, 0])
         self.landing.append((state.overlap, state.stored, state.dissipated, radius, float(resting)))
 
-    def walk(self, branches: Sequence[Branch], stopped: str | None, statistics: Statistics) -> Walk:
+    def walk(self, unloader: Unloader, stopped: str | None, statistics: Statistics) -> Walk:
         """The finished record."""
         landing, path = np.array(self.landing).reshape(-1, 5).T, np.array(self.path).reshape(-1, 2).T
         yield_overlap, yield_place = self.yielded or (None, None)
@@ -91,7 +98,8 @@ class _Recorder:
             touching=self.touching,
             path_overlap=path[0],
             path_force=path[1],
-            branches=tuple(branches),
+            branches=tuple(unloader.branches()),
+            elastic=unloader.elastic,
             yield_overlap=yield_overlap,
             yield_place=yield_place,
             stopped=stopped,
@@ -135,11 +143,11 @@ def walk(
     try:
         for place, path in landings(solver, unloader.steps):
             states = [last, *path]
-            unloader.interval(states, place)
+            record.interval(place, states)
+            unloader.interval(states, place, record.yield_overlap)
             while visit and seen and seen[0] < path[-1].overlap:
                 visit(seen[0], unloader.states(states, place, seen[0]))
                 seen.popleft()
-            record.interval(place, states)
             last = path[-1]
             if progress:
                 done = min(1.0, last.overlap / max_overlap)
@@ -152,9 +160,10 @@ def walk(
             if last.overlap < max_overlap:
                 stopped = f"one element of free surface is left at an overlap of {last.overlap:.4g}: the mesh ends"
     except NoEquilibrium as reason:
-        if last.overlap < max_overlap or len(unloader.branches()) + len(unloader.failed) < len(unload_from):
+        unloaded = len(unloader.branches()) + len(unloader.elastic) + len(unloader.failed)
+        if last.overlap < max_overlap or unloaded < len(unload_from):
             stopped = f"no equilibrium found beyond an overlap of {last.overlap:.4g}: {reason}"
     faults = [stopped] if stopped else []
     faults += [f"the unloading from {overlap:.4g} was given up: {reason}" for overlap, reason in unloader.failed.items()]
     stopped = "; ".join(faults) or None
-    return record.walk(unloader.branches(), stopped, solver.statistics)
+    return record.walk(unloader, stopped, solver.statistics)
