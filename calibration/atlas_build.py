@@ -149,6 +149,18 @@ def _problems(plastic: Mapping[Key, Curve], elastic: Mapping[float, Curve]) -> I
             yield Problem("curve", (ratio, nu), f"ends early: {curve.stopped}", "leave its modulus or Poisson's ratio out")
 
 
+def require_folders(folders: Sequence[Path], create: bool) -> None:
+    """Raise `InputError` for folders that are not there; with `create` the first one, where curves are to be written, is made."""
+    try:
+        if create:
+            folders[0].mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        name = error.strerror or str(error)
+        raise InputError(Problem("FOLDER", str(folders[0]), f"cannot be created ({name})", "choose another folder")) from error
+    remedy = "give a folder of curves, or --compute to make them there"
+    require(Problem("FOLDER", str(folder), "is no folder", remedy) for folder in folders if not folder.is_dir())
+
+
 def read_folders(folders: Sequence[Path]) -> dict[Key, Curve]:
     """The curves of whole spheres in some folders, by E/Y (None: elastic) and Poisson's ratio; the first of each material."""
     found: dict[Key, Curve] = {}
@@ -168,8 +180,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=2, help="processes that compute; default 2")
     parser.add_argument("--list", action="store_true", help="only say which curves are needed, and which are missing")
     asked = parser.parse_args(arguments)
-    asked.folders[0].mkdir(parents=True, exist_ok=True)
     try:
+        require_folders(asked.folders, asked.compute)
         found = read_folders(asked.folders)
         missing = [material for material in materials() if key_of(material) not in found]
         if asked.list:

@@ -1,4 +1,4 @@
-"""How well the atlas foretells curves that it is not made of: `python -m calibration.atlas_check FOLDER ... [--compute] [--jobs 2]`.
+"""How well the atlas foretells curves that it is not made of: `python -m calibration.atlas_check FOLDER ... [--compute]`.
 
 Every sphere in the folders whose curve is no part of the atlas is compared, unloading by unloading. With --compute random materials
 between the atlas's nodes (always the same ones) are computed first, into the first folder.
@@ -16,7 +16,7 @@ import numpy as np
 
 from calibration import atlas as atlas_file
 from calibration.atlas import Atlas
-from calibration.atlas_build import compute, key_of, read_folders
+from calibration.atlas_build import compute, key_of, read_folders, require_folders
 from calibration.atlas_errors import expected, measured
 from calibration.predict import interpolator, modulus_ratio
 from calibration.unloadings import unloading
@@ -86,14 +86,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("folders", type=Path, nargs="+", metavar="FOLDER", help="folders of curves (.parquet)")
     parser.add_argument("--atlas", type=Path, default=atlas_file.SHIPPED, help="default: the one that this package ships")
     parser.add_argument("--compute", action="store_true", help="compute random materials first")
+    parser.add_argument("--materials", type=int, default=RANDOM_MATERIALS, help=f"how many of them; default {RANDOM_MATERIALS}, the most")
     parser.add_argument("--jobs", type=int, default=2, help="processes that compute; default 2")
     asked = parser.parse_args(arguments)
     try:
         atlas = atlas_file.read(asked.atlas)
-        asked.folders[0].mkdir(parents=True, exist_ok=True)
+        require_folders(asked.folders, asked.compute)
         found = read_folders(asked.folders)
         if asked.compute:
-            compute(asked.folders[0], [one for one in random_materials() if key_of(one) not in found], asked.jobs)
+            compute(asked.folders[0], [one for one in random_materials()[: asked.materials] if key_of(one) not in found], asked.jobs)
             found = read_folders(asked.folders)
         print(report(atlas, [curve for key, curve in found.items() if key[0] is not None and curve.content_hash not in atlas.hashes]))
     except InputError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -66,12 +66,14 @@ def predict(
     law: str = DEFAULT_LAW,
     atlas: Atlas | None = None,
     compute: bool = False,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Prediction:
     """Curve and law of a sphere of `material` (SI) and `radius` (m), from the shipped atlas or another one.
 
     unload_from: overlaps over the radius; without it those of the atlas up to `max_overlap`. max_overlap: overlap over the radius; without
     it the largest of `unload_from`, else of the atlas. law: one that can be fitted; "tabulated" is exact on the curve.
-    Raises `InputError` outside the atlas's range, saying what that is; with `compute` finite elements are run there instead.
+    Raises `InputError` outside the atlas's range, saying what that is; with `compute` finite elements are run there instead, which takes
+    seconds: `progress` is told how far they are. They may end early, and then `curve.stopped` says why.
 
     >>> steel = Material(youngs_modulus=210e9, poissons_ratio=0.3, yield_stress=420e6)
     >>> found = predict(steel, radius=1e-3, unload_from=[0.05])
@@ -82,7 +84,7 @@ def predict(
     source = shipped() if atlas is None else atlas
     outside = list(problems_outside(source, material, unload_from, max_overlap))
     if outside and compute:
-        return _computed(material, radius, unload_from, max_overlap, law)
+        return _computed(material, radius, unload_from, max_overlap, law, progress)
     require(outside)
     deepest, starts = _asked(source, unload_from, max_overlap)
     ratio = modulus_ratio(material)
@@ -148,9 +150,14 @@ def _problems_with_options(radius: float, unload_from: Sequence[float] | None, m
             yield from error.problems
 
 
+def deepest_asked(unload_from: Sequence[float] | None, max_overlap: float | None, otherwise: float = DEFAULT_STARTS[-1]) -> float:
+    """The deepest of all overlaps asked for, over the radius; `otherwise` if there are none."""
+    return max([*(unload_from or ()), *(() if max_overlap is None else (max_overlap,))], default=otherwise)
+
+
 def _asked(atlas: Atlas, unload_from: Sequence[float] | None, max_overlap: float | None) -> tuple[float, FloatArray]:
     """The deepest overlap and the starts of unloadings, over the radius."""
-    deepest = max([*(unload_from or ()), *(() if max_overlap is None else (max_overlap,))], default=float(atlas.depths[-1]))
+    deepest = deepest_asked(unload_from, max_overlap, float(atlas.depths[-1]))
     starts = np.unique(unload_from) if unload_from is not None and len(unload_from) else atlas.starts[atlas.starts <= deepest]
     return float(min(deepest, atlas.depths[-1])), np.minimum(starts, atlas.depths[-1])
 
@@ -229,17 +236,32 @@ def law_errors(law: Any, curve: Curve) -> dict[str, float]:
     return errors | ({"unloading_force": float(max(unloading))} if unloading else {})
 
 
-def _computed(material: Material, radius: float, unload_from: Sequence[float] | None, max_overlap: float | None, law: str) -> Prediction:
+def _computed(
+    material: Material,
+    radius: float,
+    unload_from: Sequence[float] | None,
+    max_overlap: float | None,
+    law: str,
+    progress: Callable[[float, str], None] | None,
+) -> Prediction:
     """The same by finite elements, for what is outside the atlas."""
-    import fem
-
-    starts = unload_from or DEFAULT_STARTS
-    deepest = max_overlap if max_overlap is not None else max(starts)
-    starts = [start for start in starts if start <= deepest]
-    curve = fem.press(material, radius=radius, unload_from=starts, max_overlap=deepest)
+    deepest = deepest_asked(unload_from, max_overlap, DEFAULT_STARTS[-1])
+    starts = tuple(unload_from or ()) or tuple(start for start in DEFAULT_STARTS if start <= deepest) or (deepest,)
+    curve = _pressed(material, radius, starts, deepest, progress)
     curves = [curve]
     if law != DEFAULT_LAW:
-        curves.append(fem.press(material.elastic, radius=radius, max_overlap=deepest))
+        curves.append(_pressed(material.elastic, radius, (), float(curve.overlap.max()) / radius, progress))
     facts = {"source": "finite elements", "code": code_version(), "errors": {"finite_elements": dict(curve.errors)}}
+    facts |= {"stopped": curve.stopped} if curve.stopped else {}
     made = replace(fit(curves, law=law).fitted, origin=facts)
     return Prediction(curve, made, curve.errors, {}, curve.errors, law_errors(made.law, curve), None)
+
+
+@functools.lru_cache(maxsize=4)
+def _pressed(
+    material: Material, radius: float, starts: tuple[float, ...], deepest: float, progress: Callable[[float, str], None] | None
+) -> Curve:
+    """One curve by finite elements; kept, since one law after another may be wanted of it."""
+    import fem
+
+    return fem.press(material, radius=radius, unload_from=starts, max_overlap=deepest, progress=progress)

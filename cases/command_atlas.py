@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,6 +11,7 @@ import typer
 from cases.arguments import option
 
 Text = str | None
+FAILED = 3
 
 
 def predict(
@@ -32,7 +34,10 @@ def predict(
     values = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "yield_stress": yield_stress, "radius": radius}
     values_given: dict[str, Any] = {name: value for name, value in {**values, "max_overlap": max_overlap}.items() if value is not None}
     choice = prediction.LawOption(law, tolerance, quantity)
-    prediction.predict({**values_given, "unload_from": unload_from or []}, elastic, choice, compute, out)
+    stopped = prediction.predict({**values_given, "unload_from": unload_from or []}, elastic, choice, compute, out)
+    if stopped:
+        print(f"fe2dem: stopped early: {stopped}; what is in {out} goes up to there", file=sys.stderr)
+        raise typer.Exit(FAILED)
 
 
 def identify(

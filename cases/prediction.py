@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,7 +17,6 @@ from cases import console
 from cases.casefile.schema import Depth, Length, MaterialTable, missing_yield_stress
 from cases.options import checked, in_words_of_options, problems_with_output, read_tolerance
 from contactlaws.errors import InputError, Problem
-from contactlaws.material import Material
 
 #: which of a prediction's own differences between law and curve belongs to a score of laws; the others are not known there
 SAME_AS = {"unloading_shape": "unloading_force"}
@@ -39,8 +39,11 @@ class LawOption(NamedTuple):
     quantity: str = "force"
 
 
-def predict(options: Mapping[str, Any], elastic: bool, wanted: LawOption, compute: bool, out: Path | None) -> None:
-    """Predict, write what the ending of `out` asks for, and say how wrong it may be. Raises `InputError` before computing."""
+def predict(options: Mapping[str, Any], elastic: bool, wanted: LawOption, compute: bool, out: Path | None) -> str | None:
+    """Predict, write what the ending of `out` asks for, and say how wrong it may be; returns why finite elements stopped early, if so.
+
+    Raises `InputError` before computing.
+    """
     body, problems = checked(PredictionOptions, options)
     problems += problems_with_output("--out", out, ENDINGS, needed=True)
     if "yield_stress" not in options and not elastic:
@@ -58,10 +61,11 @@ def predict(options: Mapping[str, Any], elastic: bool, wanted: LawOption, comput
     from contactlaws import fitted
     from contactlaws.curve_files import write_curve
 
-    asked = {"radius": body.radius, "unload_from": body.unload_from, "max_overlap": body.max_overlap}
-    make = partial(calibration.predict, body.record(elastic), **asked, compute=compute)  # type: ignore[arg-type]
+    asked = {"radius": body.radius, "unload_from": body.unload_from, "max_overlap": body.max_overlap, "compute": compute}
     try:
-        found = make(law=wanted.law or "tabulated") if share is None else _within(make, body.record(elastic), share, wanted.quantity)
+        with console.bar("finite elements") if compute else nullcontext() as progress:
+            make = partial(calibration.predict, body.record(elastic), **asked, progress=progress)  # type: ignore[arg-type]
+            found = make(law=wanted.law or "tabulated") if share is None else _within(make, body, elastic, share, wanted.quantity)
     except InputError as error:
         raise InputError(in_words_of_options(error.problems)) from error
     if out.suffix == ".json":
@@ -69,14 +73,15 @@ def predict(options: Mapping[str, Any], elastic: bool, wanted: LawOption, comput
     else:
         write_curve(found.curve, out)
     show(found, out)
+    return None if found.curve.stopped is None else str(found.curve.stopped)
 
 
-def _within(make: Callable[..., Any], material: Material, tolerance: float, quantity: str) -> Any:
+def _within(make: Callable[..., Any], body: PredictionOptions, elastic: bool, tolerance: float, quantity: str) -> Any:
     """The prediction with the cheapest law that keeps a tolerance, both on the reference curves around and on the predicted curve."""
     from calibration import law_choice
+    from calibration.predict import deepest_asked
 
-    curve = make().curve
-    known = law_choice.candidates(quantity, material, float(curve.overlap.max()) / curve.radius)
+    known = law_choice.candidates(quantity, body.record(elastic), deepest_asked(body.unload_from, body.max_overlap))
     good = law_choice.good_enough(known, tolerance, quantity)
     table = console.sheet("law, from the cheapest on", "ns per contact", f"{quantity.replace('_', ' ')}: worst on curves around", "here")
     for candidate in known:
@@ -103,7 +108,8 @@ def show(found: Any, path: Path) -> None:
     curve = found.curve
     source = "finite elements, run for this material" if found.atlas is None else f"the atlas {found.atlas}"
     console.out.print(
-        f"from {source}: {found.law.name}, overlap to {console.number(float(curve.overlap.max()))} m, {len(curve.unloadings)} unloadings"
+        f"from {source}: {found.law.name}, overlap to {console.number(float(curve.overlap.max()))} m, {len(curve.unloadings)} unloading"
+        + ("" if len(curve.unloadings) == 1 else "s")
     )
     table = Table("largest error to be expected", "interpolation", "finite elements", "together", box=box.SIMPLE_HEAD, pad_edge=False)
     for name, total in found.errors.items():

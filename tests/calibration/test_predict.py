@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 from calibration import atlas as atlas_file
 from calibration import predict
 from calibration.atlas_check import COLUMNS, differences, random_materials, report
+from calibration.atlas_check import main as check_atlas
 from calibration.atlas_errors import expected
 from calibration.atlas_response import Interpolator
+from calibration.predict import DEFAULT_STARTS
 from contactlaws import checks, fitted
 from contactlaws.curve_files import read_curve
 from contactlaws.elastic import Hertz
@@ -175,3 +177,63 @@ def test_materials_for_the_check_lie_in_the_range_and_stay_the_same():
     drawn = random_materials()
     assert drawn == random_materials()
     assert all(1.0 <= one.youngs_modulus <= 1e4 and 0.0 <= one.poissons_ratio <= 0.49 for one in drawn)
+
+
+@pytest.mark.compiled_only(reason="finite elements; interpreted they take minutes")
+def test_outside_the_atlas_finite_elements_are_run_once_for_all_laws(monkeypatch):
+    import fem
+
+    pressed, said = [], []
+    press = fem.press
+    monkeypatch.setattr(fem, "press", lambda material, **options: pressed.append((material, options)) or press(material, **options))
+    material, programme = Material(2e13, 0.3, 1e9), {"radius": 1e-3, "unload_from": [0.01], "compute": True}
+    listen = lambda fraction, text: said.append(fraction)  # noqa: E731
+    exact, fitted_one = (predict(material, **programme, law=law, progress=listen) for law in ("tabulated", "thornton"))
+    assert [one for one, _ in pressed] == [material, material.elastic]
+    assert said
+    assert max(said) == 1.0
+    assert exact.atlas is None
+    assert exact.curve.content_hash == fitted_one.curve.content_hash == exact.law.curve_hashes[0]
+    assert exact.law.origin["source"] == "finite elements"
+    assert exact.errors == exact.finite_elements == exact.curve.errors
+    # a stiff body is pressed in its fully plastic state: Tabor's mean pressure, 2.8 to 3 times the yield stress, less what a finite
+    # overlap takes off
+    mean = exact.curve.force[exact.curve.rows(1)][0] / (np.pi * exact.curve.contact_radius[exact.curve.rows(1)][0] ** 2)
+    assert 2.6 < mean / 1e9 < 3.0
+    assert max(exact.law_errors.values()) < 1e-3 < fitted_one.law_errors["force"]
+
+
+@pytest.mark.parametrize(
+    ("unload_from", "max_overlap", "starts", "deepest"),
+    [
+        (None, None, DEFAULT_STARTS, 0.5),
+        (None, 0.03, (0.01, 0.02, 0.03), 0.03),
+        (None, 0.005, (0.005,), 0.005),
+        ((0.1, 0.6), 0.2, (0.1, 0.6), 0.6),
+    ],
+)
+def test_finite_elements_go_as_deep_as_was_asked(monkeypatch, unload_from, max_overlap, starts, deepest):
+    class Asked(Exception):
+        pass
+
+    def press(material, **options):
+        raise Asked(options)
+
+    monkeypatch.setattr("fem.press", press)
+    with pytest.raises(Asked) as caught:
+        predict(Material(3e4, 0.3, 1.0), unload_from=unload_from, max_overlap=max_overlap, compute=True)
+    options = caught.value.args[0]
+    assert options["unload_from"] == starts
+    assert options["max_overlap"] == deepest
+
+
+def test_the_check_of_the_atlas_wants_folders_that_are_there(tmp_path, capsys):
+    file = tmp_path / "file"
+    file.write_text("")
+    assert check_atlas([str(tmp_path / "nowhere")]) == 2
+    assert "is no folder" in capsys.readouterr().err
+    assert not (tmp_path / "nowhere").exists()
+    assert check_atlas([str(file / "inside"), "--compute"]) == 2
+    assert "cannot be created" in capsys.readouterr().err
+    assert check_atlas([str(UNSEEN[0].parent)]) == 0
+    assert "within the stated error" in capsys.readouterr().out

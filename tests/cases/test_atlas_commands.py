@@ -1,12 +1,13 @@
 """`fe2dem predict` and `fe2dem identify`: what they write, and that what cannot be used is said at once with exit code 2."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from calibration import predict
-from cases.command import BAD_INPUT, execute
+from cases.command import BAD_INPUT, FAILED, execute
 from contactlaws import fitted
 from contactlaws.curve_files import read_curve
 from contactlaws.material import Material
@@ -73,3 +74,20 @@ def test_identify_names_every_bad_option_at_once(measured, tmp_path, capsys):
     broken.write_text(measured.read_text().replace("overlap,force", "overlap,load"))
     assert execute(["identify", str(broken), "--poissons-ratio", "0.3", "--out", str(tmp_path / "found")]) == BAD_INPUT
     assert "name the columns" in capsys.readouterr().err
+
+
+def test_a_run_that_stops_early_says_so(tmp_path, capsys, monkeypatch):
+    inside = predict(Material(100.0, 0.3, 1.0), unload_from=[0.1])
+    stopped = replace(inside.curve, stopped="the mesh ends")
+    monkeypatch.setattr("calibration.predict", lambda *_, **__: replace(inside, curve=stopped, atlas=None))
+    options = ["--youngs-modulus", "2e4", "--poissons-ratio", "0.3", "--yield-stress", "1", "--compute", "--out", str(tmp_path / "c.csv")]
+    assert execute(["predict", *options]) == FAILED
+    assert "stopped early: the mesh ends" in capsys.readouterr().err
+    assert (tmp_path / "c.csv").exists()
+
+
+def test_what_no_law_was_scored_for_is_refused_before_finite_elements_run(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("fem.press", None)
+    options = ["--youngs-modulus", "2e4", "--poissons-ratio", "0.3", "--yield-stress", "1", "--compute", "--tolerance", "0.05"]
+    assert execute(["predict", *options, "--out", str(tmp_path / "law.json")]) == BAD_INPUT
+    assert "laws were scored from 1 to" in capsys.readouterr().err
