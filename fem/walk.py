@@ -130,8 +130,11 @@ def walk(
     steps: Steps | None = None,
     progress: Callable[[float, str], None] | None = None,
     visit: Visitor | None = None,
+    to_yield: bool = False,
 ) -> Walk:
     """Press the body to `max_overlap` (and two landings beyond), unloading on the way from each of `unload_from` (ascending).
+
+    to_yield: end at the landing after first yield, if that comes before.
 
     When Newton's method fails for good the walk ends there: `stopped` says why, and all up to there is kept. An unloading that fails is
     left out, which `stopped` says too, and the loading goes on.
@@ -154,7 +157,7 @@ def walk(
                 text = f"overlap {min(last.overlap, max_overlap):.4g} of {max_overlap:.4g}, {len(unloader.computed)} unloadings"
                 progress(0.5 * done**0.25 + 0.5 * done, text)
             beyond += last.overlap >= max_overlap
-            if beyond >= LANDINGS_BEYOND:
+            if beyond >= LANDINGS_BEYOND or (to_yield and record.yielded):
                 break
         else:
             if last.overlap < max_overlap:
