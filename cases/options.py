@@ -27,7 +27,7 @@ def checked(model: type[M], values: Mapping[str, Any]) -> tuple[M | None, list[P
 
 def in_words_of_options(problems: Sequence[Problem]) -> list[Problem]:
     """Field names as options: youngs_modulus is --youngs-modulus on the command line."""
-    options = {*CurveOptions.model_fields, *Impact.model_fields, *Sample.model_fields}
+    options = {*CurveOptions.model_fields, *Impact.model_fields, *Sample.model_fields, "law", "quantity"}
     return [
         problem._replace(name="--" + problem.name.removeprefix("--").replace("_", "-"))
         if problem.name.removeprefix("--").split("[")[0] in options

@@ -14,7 +14,7 @@ from rich import box
 from rich.table import Table
 
 from cases import console
-from cases.casefile.schema import Depth, Length, MaterialTable, missing_yield_stress
+from cases.casefile.schema import Depth, Length, MaterialTable, missing_yield_stress, modulus_problems
 from cases.options import checked, in_words_of_options, problems_with_output, read_tolerance
 from contactlaws.errors import InputError, Problem
 
@@ -48,6 +48,8 @@ def predict(options: Mapping[str, Any], elastic: bool, wanted: LawOption, comput
     problems += problems_with_output("--out", out, ENDINGS, needed=True)
     if "yield_stress" not in options and not elastic:
         problems.append(missing_yield_stress("--yield-stress", "is needed for a plastic body"))
+    if body is not None and not elastic:
+        problems += modulus_problems("", body)
     share = None
     if wanted.tolerance is not None:
         share, wrong = read_tolerance(wanted.tolerance)

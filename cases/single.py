@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cases import console
 from cases.batch.store import problems_with_folder
 from cases.casefile.profile_file import read_profile
-from cases.casefile.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress
+from cases.casefile.schema import CurveOptions, Impact, Sample, depth_problems, missing_yield_stress, modulus_problems
 from cases.casefile.validation import suggestion
 from cases.options import checked, in_words_of_options, problems_with_output, read_tolerance
 from contactlaws.curve import Curve
@@ -32,7 +32,7 @@ def reference(options: Mapping[str, Any], out: Path | None, fields: Path | None,
     body, problems = checked(CurveOptions, options)
     problems += problems_with_output("--out", out, CURVE_FILES, needed=True)
     if body is not None:
-        problems += depth_problems("--", body.unload_from, body.max_overlap)
+        problems += [*depth_problems("--", body.unload_from, body.max_overlap), *modulus_problems("", body)]
     elif not options["unload_from"] and "max_overlap" not in options:
         problems += depth_problems("--", (), None)
     if "yield_stress" not in options and not options.get("elastic"):

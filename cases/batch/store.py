@@ -151,7 +151,7 @@ def prepare(folder: Path, kinds: Mapping[str, int] | None = None) -> None:
 
     kinds: how many results of each kind are still to be made, where it is known: the disk must have space for them.
     """
-    require(problems_with_folder("--out", folder / "tasks"))
+    require(problem._replace(value=str(folder)) for problem in problems_with_folder("--out", folder / "tasks"))
     needed = sum(SPACE.get(kind, 8_000) * number for kind, number in (kinds or {}).items())
     free = shutil.disk_usage(folder).free
     if needed > free:

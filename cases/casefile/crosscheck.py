@@ -6,13 +6,15 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases.casefile.schema import Case, FitTable, depth_problems, is_file, missing_yield_stress
+from cases.casefile.schema import Case, FitTable, depth_problems, is_file, missing_yield_stress, modulus_problems
 from cases.casefile.validation import suggestion
 from contactlaws.errors import InputError, Problem
 
 
 def cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) -> Iterator[Problem]:
     """What no single table can know: names that point nowhere, a plastic curve of a material without yield stress, missing depths."""
+    for name, material_table in case.materials.items():
+        yield from modulus_problems(f"materials.{name}.", material_table)
     for name, curve in case.curves.items():
         yield from _reference(f"curves.{name}.material", curve.material, declared.get("materials", ()))
         material = case.materials.get(curve.material)

@@ -165,7 +165,7 @@ def _placed(problem: Problem, place: str, grids: set[str], lists: Mapping[str, l
 
 def _mixed(name: str, values: Sequence[Any]) -> Iterator[Problem]:
     """Bare numbers are SI: beside others that carry a unit, one is most likely meant in that unit."""
-    bare = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
+    bare = [value for value in values if not isinstance(value, bool) and (isinstance(value, (int, float)) or is_bare(str(value)))]
     texts = [value for value in values if isinstance(value, str) and re.search(r"\d\s*[A-Za-zµ]", value) and not is_bare(value)]
     if bare and texts:
         remedy = "write all of them with a unit, or all of them bare, in SI units"

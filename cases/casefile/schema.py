@@ -41,6 +41,22 @@ class MaterialTable(Record):
         return Material(self.youngs_modulus, self.poissons_ratio, None if elastic else self.yield_stress, self.density)
 
 
+#: E/Y of anything that could be meant: one modulus without its unit is beyond
+MODULUS_RATIOS = (1e-2, 1e7)
+
+
+def modulus_problems(place: str, table: MaterialTable) -> Iterator[Problem]:
+    """A Young's modulus and a yield stress that cannot both be meant; `place` stands before the name."""
+    if table.yield_stress is None:
+        return
+    ratio, (low, high) = table.youngs_modulus / table.yield_stress, MODULUS_RATIOS
+    if not low <= ratio <= high:
+        bound = f"Young's modulus over yield stress must lie between {low:g} and {high:g}"
+        yield Problem(
+            f"{place}yield_stress", table.yield_stress, bound, f"here it is {ratio:.3g}; write both with a unit, such as '7.9 GPa'"
+        )
+
+
 class Body(Record):
     """What is pressed, how far, and how exactly."""
 

@@ -31,7 +31,7 @@ def test_predict_names_every_bad_option_at_once(tmp_path, capsys):
     said = capsys.readouterr().err
     for name in ("--youngs-modulus", "--poissons-ratio", "--yield-stress", "--out"):
         assert name in said
-    assert execute(["predict", *STEEL[:5], "1 Pa", "--out", str(tmp_path / "law.json")]) == BAD_INPUT
+    assert execute(["predict", *STEEL[:5], "1 MPa", "--out", str(tmp_path / "law.json")]) == BAD_INPUT
     assert "--compute" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
@@ -91,3 +91,15 @@ def test_what_no_law_was_scored_for_is_refused_before_finite_elements_run(tmp_pa
     options = ["--youngs-modulus", "2e4", "--poissons-ratio", "0.3", "--yield-stress", "1", "--compute", "--tolerance", "0.05"]
     assert execute(["predict", *options, "--out", str(tmp_path / "law.json")]) == BAD_INPUT
     assert "laws were scored from 1 to" in capsys.readouterr().err
+
+
+def test_predict_names_what_was_typed(tmp_path, capsys):
+    options = ["--youngs-modulus", "210 GPa", "--poissons-ratio", "0.3", "--yield-stress", "420", "--out", str(tmp_path / "law.json")]
+    assert execute(["predict", *options]) == BAD_INPUT
+    said = capsys.readouterr().err
+    assert "--yield-stress = 420.0" in said
+    assert "with a unit" in said
+    assert execute(["predict", *STEEL, "--law", "herz", "--out", str(tmp_path / "law.json")]) == BAD_INPUT
+    assert "--law = 'herz'" in capsys.readouterr().err
+    assert execute(["predict", *STEEL, "--tolerance", "0.05", "--quantity", "weight", "--out", str(tmp_path / "law.json")]) == BAD_INPUT
+    assert "--quantity = 'weight'" in capsys.readouterr().err

@@ -73,6 +73,7 @@ MATERIAL = {
         ("--poissons-ratio", "-0.1", ("-0.1", "at least 0")),
         ("--yield-stress", None, ("--yield-stress missing", "7.9 GPa", "--elastic")),
         ("--yield-stress", "0 Pa", ("--yield-stress", "greater than 0")),
+        ("--yield-stress", "7.9", ("--yield-stress = 7.9", "between 0.01 and 1e+07", "with a unit")),
         ("--radius", "5 GPa", ("--radius", "is a stress", "5 um")),
         ("--unload-from", "1.5", ("--unload-from[0] = '1.5'", "less than 1", "the body ends at 1")),
         ("--max-overlap", "0.01", ("--unload-from", "beyond max_overlap")),

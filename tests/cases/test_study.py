@@ -126,6 +126,8 @@ def test_materials_from_a_file(tmp_path: Path) -> None:
         ("[10, 20, 50]", "[10, 20, 10.0]", "materials.es.youngs_modulus[2]", "same point as [0]"),
         ("[10, 20, 50]", '["1 GPa", "1000 MPa"]', "materials.es.youngs_modulus[1]", "same point as [0]"),
         ("[10, 20, 50]", '["1 GPa", 20]', "materials.es.youngs_modulus", "without a unit"),
+        ("[10, 20, 50]", '["1 GPa", "20"]', "materials.es.youngs_modulus", "without a unit"),
+        ("[10, 20, 50]", '["10 GPa", "20 GPa"]', "materials.es-E10GPa-nu0.yield_stress", "must lie between 0.01 and 1e+07 (and 3 more"),
         ("[10, 20, 50]", '["1 GPa", "2 m"]', "materials.es.youngs_modulus[1]", "is a length"),
         ("[10, 20, 50]", "[10, -20]", "materials.es.youngs_modulus[1]", "greater than 0"),
         ("[0, 0.3]", "[0, 0.7]", "materials.es.poissons_ratio[1]", "less than 0.5"),
