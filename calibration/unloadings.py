@@ -20,6 +20,7 @@ from scipy.interpolate import PchipInterpolator
 from contactlaws.curve import QUANTITIES, Curve
 from contactlaws.errors import InputError, Problem
 from contactlaws.files import write_atomically, write_text
+from contactlaws.version import code_version
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -232,4 +233,4 @@ def _write_parquet(rows: Sequence[Mapping[str, Any]], file: Path) -> None:
         for name, unit in UNITS.items()
     ]
     columns = [pa.array([row[name] for row in rows], field.type) for name, field in zip(UNITS, fields, strict=True)]
-    pq.write_table(pa.table(columns, schema=pa.schema(fields, {"format": FORMAT})), file)
+    pq.write_table(pa.table(columns, schema=pa.schema(fields, {"format": FORMAT, "code": code_version()})), file)

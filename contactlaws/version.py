@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import importlib.metadata
 import platform
+import sys
 
 from contactlaws.sources import PACKAGES, source_hash
 
@@ -40,6 +41,8 @@ def _libraries() -> list[str]:
 
 
 def _version(name: str) -> str:
+    if name in sys.modules:  # looking into what is installed takes far longer
+        return str(sys.modules[name].__version__)
     try:
         return importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:

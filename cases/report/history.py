@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws.files import write_atomically
+from contactlaws.version import code_version
 
 #: unit of every column; compression is positive in strain and stress
 UNITS = {
@@ -52,7 +53,7 @@ def write(values: Mapping[str, npt.NDArray[Any]], path: Path) -> Path:
 
     table = pa.table(dict(values))
     fields = [field.with_metadata({"unit": UNITS[field.name]}) for field in table.schema]
-    return write_atomically(path, lambda file: pq.write_table(table.cast(pa.schema(fields)), file))
+    return write_atomically(path, lambda file: pq.write_table(table.cast(pa.schema(fields, {"code": code_version()})), file))
 
 
 def read(path: Path) -> dict[str, npt.NDArray[Any]]:

@@ -12,6 +12,7 @@ import jinja2
 
 from cases.report.page import TEMPLATE
 from contactlaws.files import write_atomically, write_text
+from contactlaws.version import code_version
 
 
 def write_page(
@@ -45,4 +46,5 @@ def _parquet(rows: Sequence[Mapping[str, Any]], file: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    pq.write_table(pa.table({name: [row[name] for row in rows] for name in rows[0]}), file)
+    table = pa.table({name: [row[name] for row in rows] for name in rows[0]})
+    pq.write_table(table.replace_schema_metadata({"code": code_version()}), file)
