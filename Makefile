@@ -79,7 +79,7 @@ $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and f"set-up: Python 3.11 or newer is needed, $(PYTHON) is {sys.version.split()[0]}; try make PYTHON=python3.12")'
 	@if command -v uv >/dev/null; then set -e; \
 		echo "set-up: uv creates $(VENV)"; uv venv --quiet --allow-existing --python "$$(command -v $(PYTHON))" $(VENV); \
-		echo "set-up: uv installs the packages pinned in requirements.lock"; uv pip install --quiet --python $(BIN)/python --require-hashes -r requirements.lock; \
+		echo "set-up: uv installs the packages pinned in requirements.lock"; uv pip install --quiet --compile-bytecode --python $(BIN)/python --require-hashes -r requirements.lock; \
 		uv pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation -e .; \
 	else set -e; \
 		echo "set-up: python3 -m venv creates $(VENV)"; $(PYTHON) -m venv $(VENV); \

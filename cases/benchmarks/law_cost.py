@@ -1,4 +1,4 @@
-"""What each registered law costs: nanoseconds per contact alone and in the DEM's pair kernel, while loading, unloading and reloading.
+"""What each law of this project costs: nanoseconds per contact alone and in the DEM's pair kernel, while loading, unloading and reloading.
 
     python -m cases.benchmarks.law_cost [LAW ...]
 
@@ -60,8 +60,8 @@ def _alone(law, overlap, memory):  # type: ignore[no-untyped-def]
 
 
 def records(names: Sequence[str] = ()) -> dict[str, Any]:
-    """One record of each registered law (or of those named, and Hertz's) for the same material, Hertz's first."""
-    known = dispatch.laws()
+    """One record of each law of this project (or of those named, and Hertz's) for the same material, Hertz's first."""
+    known = [name for name, law in dispatch.laws().items() if law.record.__module__.startswith(f"{dispatch.OWN}.")]
     for name in names:
         if name not in known:
             raise InputError(Problem("law", name, f"must be one of {', '.join(known)}", "leave it out for all of them"))
