@@ -21,7 +21,7 @@ from contactlaws.errors import InputError, Problem
 from contactlaws.material import Material
 from contactlaws.whole_range import unloading as law_unloading
 from contactlaws.whole_range_record import Constants, WholeRange, coefficients
-from contactlaws.whole_range_unloading import retreat, shape
+from contactlaws.whole_range_unloading import retreat, shape, shape_work
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -119,7 +119,7 @@ def _evaluate(constants, modulus, poissons_ratio, depth, s):  # type: ignore[no-
         single[1, i] = load
         single[2, i] = math.sqrt(area)
         single[3, i] = recovered
-        single[4, i] = load * recovered * (terms[0] / 2.0 + terms[1] / 2.5 + terms[2] / 3.0 + terms[3] / 3.5 + terms[4] / 5.5)
+        single[4, i] = load * recovered * shape_work(terms, 1.0)
         for j in range(steps):
             shapes[0, i, j] = shape(terms, s[i, j])
             shapes[1, i, j] = retreat(law, depth[i], phi, s[i, j])

@@ -26,7 +26,6 @@ from contactlaws.whole_range_loading import (
     loading_area,
     loading_load,
     loading_work,
-    plastic_limit,
 )
 from contactlaws.whole_range_record import Constants, WholeRange, WholeRangeCompact, coefficients
 from contactlaws.whole_range_unloading import recovered_depth, retreat, shape, shape_slope, shape_terms, shape_work
@@ -76,10 +75,10 @@ def stretch(depth):  # type: ignore[no-untyped-def]
 def unloading(law, depth):  # type: ignore[no-untyped-def]
     """All that unloading from `depth` needs: f, phi, the area, the recovery, the terms of the shape."""
     at, factor = min(depth, DEEPEST), stretch(depth)
-    load, phi, upset = loading(law, at)
-    area = loading_area(law, at, phi, upset)
-    recovered = recovered_depth(law, at, load, phi, upset, area)
-    return load * factor, phi, area * factor, recovered / factor, shape_terms(law, at, phi, upset)
+    load, phi = loading(law, at)
+    area = loading_area(law, at, phi)
+    recovered = recovered_depth(law, at, load, phi, area)
+    return load * factor, phi, area * factor, recovered / factor, shape_terms(law, at, phi)
 
 
 @kernel
@@ -98,8 +97,7 @@ def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped
     else:
         load, recovered = state[1], state[2]
         at = min(largest, DEEPEST)
-        phi = load / (stretch(largest) * elastic_load(law, at))
-        terms = shape_terms(law, at, phi, plastic_limit(law, at)[1])
+        terms = shape_terms(law, at, load / (stretch(largest) * elastic_load(law, at)))
     s = min(1.0, 1.0 - (largest - depth) / recovered)
     after = (state[0], load, recovered)
     if s <= 0.0:

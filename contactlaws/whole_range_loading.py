@@ -1,9 +1,10 @@
 """Loading branch of the whole-range law: force, contact area and work. `law` is the record, D = depth the overlap over the radius.
 
-Plastic limit P: the lesser of what indentation of a half-space takes (similarity: p = 2.84 Y on a^2 = 2.86 R d, f = 8.12 D) and what
-upsetting of the whole body takes (a bar of equal volume at yield, 2/(3 (1 - D)), towards D = 1), each with the finite body's factor.
+Plastic limit P: from the indentation of a half-space (similarity: p = 2.84 Y on a^2 = 2.86 R d, f = 8.12 D) at D = 0 to the upsetting of the
+whole body (a bar of equal volume at yield, 2/(3 (1 - D))) at D = 1, one ratio of polynomials of sqrt(D) and D in between.
 Force: with s = f_el/P and z what s exceeds its value at first yield by, f_el/f = 1 + z^2 (z + a)/(z^2 + (a + b) z + c): exactly elastic
-before yield, the same slope there, towards P far beyond. The lag b, the onset c and the bend a go from indentation to upsetting.
+before yield, the same slope there, towards P far beyond. The bend a, the lag b and the onset c go from indentation to upsetting.
+Area: from the elastic to the plastic one as the force falls behind the elastic one. One root and three divisions make a force.
 """
 
 from __future__ import annotations
@@ -17,8 +18,12 @@ from contactlaws.compiled import kernel
 #: similarity regime of the fully plastic indentation by a sphere: mean pressure over Y, a^2/(R d), and their product
 PRESSURE, AREA = 2.84, 2.86
 INDENTATION = PRESSURE * AREA
+#: force over pi R^2 Y of a bar of the sphere's volume at yield, times 1 - D
+BAR = 2.0 / 3.0
 #: the onset stays above, so that the slope is continuous at yield
 LEAST_ONSET = 0.001
+#: the power of the growing area stays above, so that it does not jump at yield
+LEAST_GROWTH = 0.1
 #: for integrals of the loading branch: 12 panels of 8 points leave less than 1e-12 of the work
 _NODES, _SHARES = np.polynomial.legendre.leggauss(8)
 _PANELS = 12
@@ -60,71 +65,65 @@ def elastic_slope(law, depth):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def limit_parts(law, depth, t):  # type: ignore[no-untyped-def]
+    """P (1 - D)/(8.12 D) as dividend and divisor, t = sqrt(D)."""
+    over = 1.0 + law.limit_over_1 * t + depth * (law.limit_over_2 + depth * law.limit_over_3)
+    return over, 1.0 + law.limit_under_1 * t + depth * (law.limit_under_2 + depth * law.limit_under_3)
+
+
+@kernel
 def plastic_limit(law, depth):  # type: ignore[no-untyped-def]
-    """P, and the share of upsetting in it, from 0 (indentation) to 1. An eighth power and root are cheap and sharp enough."""
-    h = 1.0 - depth
-    local = INDENTATION * depth / (h * (1.0 + law.indentation_1 * math.sqrt(depth) + law.indentation_2 * depth))
-    whole = (1.0 - h * (law.upsetting_1 + h * (law.upsetting_2 + h * law.upsetting_3))) / (1.5 * h)
-    ratio = local / whole
-    ratio *= ratio
-    ratio *= ratio
-    return local / math.sqrt(math.sqrt(math.sqrt(1.0 + ratio * ratio))), ratio / (1.0 + ratio)
-
-
-@kernel
-def elastic_share(law, depth, elastic, limit, upset):  # type: ignore[no-untyped-def]
-    """phi = f/f_el beyond yield, from the elastic force, the plastic limit and the share of upsetting."""
-    z = elastic / limit - law.yield_load
-    lag = law.lag + upset * (law.lag_upset - law.lag + law.lag_upset_depth * depth)
-    onset = max(LEAST_ONSET, law.onset + upset * upset * (law.onset_upset + law.onset_upset_depth * depth))
-    bend = upset * max(0.0, law.bend_upset)
-    above = z * (z + bend + lag) + onset
-    return above / (above + z * z * (z + bend))
-
-
-@kernel
-def loading(law, depth):  # type: ignore[no-untyped-def]
-    """f, phi and the share of upsetting."""
-    elastic = elastic_load(law, depth)
-    limit, upset = plastic_limit(law, depth)
-    if depth <= law.yield_depth:
-        return elastic, 1.0, upset
-    phi = elastic_share(law, depth, elastic, limit, upset)
-    return elastic * phi, phi, upset
+    """P of the force."""
+    over, under = limit_parts(law, depth, math.sqrt(depth))
+    return INDENTATION * depth * over / ((1.0 - depth) * under)
 
 
 @kernel
 def loading_load(law, depth):  # type: ignore[no-untyped-def]
-    """f on the loading branch."""
-    elastic = elastic_load(law, depth)
+    """f on the loading branch. The elastic force over the plastic limit is formed by one division: this is the force of every contact."""
+    t = math.sqrt(depth)
+    factor = elastic_factor(law.force_1, law.force_2, law.force_3, t)
+    elastic = law.stiffness * t * depth * factor
     if depth <= law.yield_depth:
         return elastic
-    limit, upset = plastic_limit(law, depth)
-    return elastic * elastic_share(law, depth, elastic, limit, upset)
+    over, under = limit_parts(law, depth, t)
+    z = law.stiffness / INDENTATION * t * (1.0 - depth) * factor * under / over - law.yield_load
+    power = depth * depth * law.turn_2
+    power *= power
+    upset = power / (1.0 + power)
+    lag = law.lag + upset * (law.lag_upset + law.lag_upset_depth * depth)
+    onset = max(LEAST_ONSET, law.onset + upset * upset * law.onset_upset_depth * depth)
+    bend = law.bend * (1.0 - upset)
+    above = z * (z + bend + lag) + onset
+    return elastic * above / (above + z * z * (z + bend))
 
 
 @kernel
-def turned(upset, turn):  # type: ignore[no-untyped-def]
-    """A share from 0 to 1 that turns earlier (turn > 1) or later than the share of upsetting in the force."""
-    weight = max(0.01, turn) * upset
-    return weight / (1.0 - upset + weight)
+def loading(law, depth):  # type: ignore[no-untyped-def]
+    """f and phi = f/f_el."""
+    if depth <= law.yield_depth:
+        return elastic_load(law, depth), 1.0
+    load = loading_load(law, depth)
+    return load, load / elastic_load(law, depth)
 
 
 @kernel
-def loading_area(law, depth, phi, upset):  # type: ignore[no-untyped-def]
-    """(a/R)^2 on the loading branch: from the elastic to the plastic one as the force falls behind the elastic one."""
+def share(depth, half, power):  # type: ignore[no-untyped-def]
+    """Of upsetting, from 0 (indentation) to 1: 1/2 at the depth `half`, the steeper the higher the power."""
+    ratio = (depth / half) ** power
+    return ratio / (1.0 + ratio)
+
+
+@kernel
+def loading_area(law, depth, phi):  # type: ignore[no-untyped-def]
+    """(a/R)^2 on the loading branch: (1 - phi)^N of the way from the elastic to the plastic one."""
     elastic = elastic_area(law, depth)
     if phi >= 1.0:
         return elastic
-    h = 1.0 - depth
-    local = AREA * depth / (h * (1.0 + law.spread_1 * math.sqrt(depth) + law.spread_2 * depth))
-    whole = (1.0 - h * (law.widening_1 + h * (law.widening_2 + h * law.widening_3))) / (1.5 * h)
-    ratio = local / whole
-    ratio *= ratio
-    ratio *= ratio
-    plastic = local / math.sqrt(math.sqrt(math.sqrt(1.0 + ratio * ratio)))
-    power = law.growth + turned(upset, law.turn_area) * (law.growth_upset - law.growth + law.growth_upset_depth * depth)
-    return elastic + (plastic - elastic) * (1.0 - phi) ** power
+    over = 1.0 + law.spread_1 * math.sqrt(depth) + law.spread_2 * depth * depth
+    plastic = AREA * depth * over / ((1.0 - depth) * (1.0 + law.spread_3 * depth * depth))
+    growth = law.growth + share(depth, law.growth_turn, 4) * law.growth_upset + law.growth_phi * phi
+    return elastic + (plastic - elastic) * (1.0 - phi) ** max(LEAST_GROWTH, growth)
 
 
 @kernel

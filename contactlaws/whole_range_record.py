@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from contactlaws.compiled import kernel
-from contactlaws.whole_range_loading import elastic_factor, plastic_limit
+from contactlaws.whole_range_loading import BAR, INDENTATION, elastic_factor, plastic_limit
 
 #: p0/Y at first yield in Hertz's field (von Mises): a parabola in nu through the exact 1.2993, 1.4453, 1.6128, 1.8061 at nu = 0, .15, .3,
 #: .45, met within .1 %
@@ -21,10 +21,9 @@ LATEST_YIELD = 0.59
 
 
 class Constants(NamedTuple):
-    """The global constants: one set for all materials. Names ending in _nu multiply nu, in _nu2 its square."""
+    """The global constants: one set for all materials. Names ending in _nu multiply nu, in _nu2 its square; u is a share of upsetting."""
 
     # elastic force over Hertz's: 1 + f1 t + f2 t^2 + f3 t^6, t = sqrt(D)
-    force_1: float
     force_1_nu: float
     force_1_nu2: float
     force_2: float
@@ -36,72 +35,73 @@ class Constants(NamedTuple):
     # elastic area over R d: 1 + g1 t + g2 t^2 + g3 t^6
     area_1: float
     area_1_nu: float
-    area_1_nu2: float
     area_2: float
-    area_2_nu: float
-    area_2_nu2: float
     area_3: float
     area_3_nu: float
     # first yield: 1/D_Y = 1/X + y1 + y2/sqrt(X), X what Hertz's field says
     yield_1: float
     yield_2: float
-    # plastic limit: indentation 8.12 D/[h (1 + i1 t + i2 D)], upsetting 2/(3 h) (1 - h (u1 + u2 h + u3 h^2))
-    indentation_1: float
-    indentation_2: float
-    upsetting_1: float
-    upsetting_2: float
-    upsetting_3: float
-    # beyond yield: lag b and onset c for indentation (no suffix) and for upsetting; a for upsetting only
+    # plastic limit: 8.12 D/(1 - D) (1 + l1 t + l2 D + l3 D^2)/(1 + m1 t + m2 D + m3 D^2); l3 is what makes a bar of it at D = 1
+    limit_over_1: float
+    limit_over_2: float
+    limit_under_1: float
+    limit_under_2: float
+    limit_under_3: float
+    # beyond yield: u = 1/2 at D = turn; lag b and onset c for indentation and what upsetting adds, bend a of indentation
+    turn: float
     lag: float
     lag_nu: float
     lag_upset: float
+    lag_upset_nu: float
     lag_upset_depth: float
     lag_upset_depth_nu: float
     lag_upset_yield: float
     onset: float
-    onset_upset: float
-    onset_upset_nu: float
+    onset_nu: float
     onset_upset_depth: float
-    onset_upset_depth_nu: float
-    onset_upset_yield: float
-    bend_upset: float
-    bend_upset_nu: float
-    bend_upset_yield: float
-    # the share u of upsetting in what follows the force: q u/(1 - u + q u)
-    turn_area: float
-    turn_recovery: float
-    turn_shape: float
-    # plastic area: indentation 2.86 D/[h (1 + j1 t + j2 D)], upsetting 2/(3 h) (1 - h (v1 + v2 h + v3 h^2)); (1 - phi)^N of the way
+    bend: float
+    # plastic area: 2.86 D/(1 - D) (1 + j1 t + j2 D^2)/(1 + j3 D^2); (1 - phi)^N of the way there, N with u (its own turn), nu and phi
     spread_1: float
     spread_2: float
-    widening_1: float
-    widening_2: float
-    widening_3: float
+    spread_3: float
     growth: float
-    growth_upset: float
-    growth_upset_depth: float
-    growth_upset_yield: float
-    # recovery: exp(-D h (r0 + r1 nu + r2 nu^2)/(1 + r3 D)); share of the elastic one exp(-M r^(5/8)), r = 1/phi - 1
+    growth_turn: float
+    growth_upset_nu: float
+    growth_phi: float
+    # plastic recovery: factors of indentation, with (1 - 2 nu)^4 and t, and of upsetting; u with its own turn; a dip on the way to elastic
     recovery: float
     recovery_nu: float
-    recovery_nu2: float
     recovery_depth: float
+    recovery_upset: float
+    recovery_upset_nu2: float
+    recovery_turn: float
+    dip: float
+    dip_upset: float
+    # how the elastic part fades: exp(-M ln(1/phi)^q), M with D^2, q with u (its own turn); a swelling by upsetting
     fading: float
-    fading_upset: float
-    fading_upset_depth: float
-    fading_upset_yield: float
-    # shape of the unloading: share of the elastic one 1/(1 + k r^(5/8))^2; x1, x2 by mechanism, with phi and the depth
+    fading_depth: float
+    fading_depth_nu: float
+    fading_power: float
+    fading_power_upset: float
+    fading_turn: float
+    swell: float
+    swell_end: float
+    # shape of the unloading: phi^share of the elastic one; A and B from plastic (u with its own turn) to elastic by mix
     share: float
-    share_upset: float
+    shape_turn: float
+    mix: float
+    mix_nu: float
+    mix_power: float
     round: float
+    round_nu: float
+    round_phi: float
     round_upset: float
-    round_upset_nu: float
-    round_upset_phi: float
     round_upset_depth: float
-    slope_phi: float
+    round_elastic: float
+    round_elastic_depth: float
+    slope: float
     slope_upset: float
-    slope_upset_phi: float
-    slope_upset_depth: float
+    slope_elastic: float
 
 
 class WholeRange(NamedTuple):
@@ -121,49 +121,68 @@ class WholeRange(NamedTuple):
     area_3: float
     yield_depth: float  # D_Y
     yield_load: float  # s_Y: elastic force over plastic limit at first yield
-    indentation_1: float
-    indentation_2: float
-    upsetting_1: float
-    upsetting_2: float
-    upsetting_3: float
+    limit_over_1: float  # plastic limit: l1 to l3
+    limit_over_2: float
+    limit_over_3: float
+    limit_under_1: float  # m1 to m3
+    limit_under_2: float
+    limit_under_3: float
+    turn_2: float  # 1/turn^2
     lag: float  # b, indentation
-    lag_upset: float  # b, upsetting
+    lag_upset: float  # b, what upsetting adds
     lag_upset_depth: float
     onset: float  # c, indentation
-    onset_upset: float  # c, upsetting
-    onset_upset_depth: float
-    bend_upset: float  # a
-    turn_area: float
-    turn_recovery: float
-    turn_shape: float
-    spread_1: float
+    onset_upset_depth: float  # c, what upsetting adds
+    bend: float  # a
+    spread_1: float  # plastic area: j1 to j3
     spread_2: float
-    widening_1: float
-    widening_2: float
-    widening_3: float
-    growth: float  # N, indentation
-    growth_upset: float  # N, upsetting
-    growth_upset_depth: float
+    spread_3: float
+    growth: float  # N
+    growth_turn: float
+    growth_upset: float
+    growth_phi: float
     compliance: float  # exp(Y/E) - 1
-    recovery: float
+    recovery: float  # factors of w_pl
     recovery_depth: float
-    fading: float  # M, indentation
-    fading_upset: float  # M, upsetting
-    fading_upset_depth: float
-    share: float  # k, indentation
-    share_upset: float  # k, upsetting
-    round: float
+    recovery_upset: float
+    recovery_turn: float
+    dip: float
+    dip_upset: float
+    fading: float  # M
+    fading_depth: float
+    fading_power: float  # q
+    fading_power_upset: float
+    fading_turn: float
+    swell: float
+    swell_end: float
+    share: float
+    shape_turn: float
+    mix: float
+    mix_power: float
+    round: float  # A
+    round_phi: float
     round_upset: float
-    round_upset_phi: float
     round_upset_depth: float
-    slope_phi: float
+    round_elastic: float
+    round_elastic_depth: float
+    slope: float  # B
     slope_upset: float
-    slope_upset_phi: float
-    slope_upset_depth: float
+    slope_elastic: float
 
 
 WholeRangeCompact = NamedTuple("WholeRangeCompact", list(WholeRange.__annotations__.items()))  # type: ignore[misc]
 WholeRangeCompact.__doc__ = "`WholeRange` made from at most 20 constants: make it with `contactlaws.whole_range.whole_range_compact`."
+
+
+class Limit(NamedTuple):
+    """The plastic limit of the force: l1 to l3, m1 to m3."""
+
+    limit_over_1: float
+    limit_over_2: float
+    limit_over_3: float
+    limit_under_1: float
+    limit_under_2: float
+    limit_under_3: float
 
 
 @kernel
@@ -179,13 +198,18 @@ def coefficients(constants, radius, youngs_modulus, poissons_ratio, yield_stress
     k, nu = constants, poissons_ratio
     e = yield_stress / youngs_modulus
     stiffness = 4.0 / (3.0 * math.pi * e * (1.0 - nu * nu))
-    force_1 = k.force_1 + nu * (k.force_1_nu + nu * k.force_1_nu2)
+    force_1 = nu * (k.force_1_nu + nu * k.force_1_nu2)
     force_2 = k.force_2 + nu * (k.force_2_nu + nu * k.force_2_nu2)
     force_3 = k.force_3 + nu * (k.force_3_nu + nu * k.force_3_nu2)
     root = hertz_yield_root(e, nu)
     depth = min(1.0 / (1.0 / (root * root) + k.yield_2 / root + k.yield_1), LATEST_YIELD)
     load = stiffness * depth * math.sqrt(depth) * elastic_factor(force_1, force_2, force_3, math.sqrt(depth))
-    share = load / plastic_limit(k, depth)[0]
+    limit_over_3 = BAR / INDENTATION * (1.0 + k.limit_under_1 + k.limit_under_2 + k.limit_under_3) - 1.0 - k.limit_over_1 - k.limit_over_2
+    limit = Limit(k.limit_over_1, k.limit_over_2, limit_over_3, k.limit_under_1, k.limit_under_2, k.limit_under_3)
+    first = load / plastic_limit(limit, depth)
+    squeezed = 1.0 - 2.0 * nu
+    squeezed *= squeezed
+    squeezed *= squeezed
     return (
         radius,
         youngs_modulus,
@@ -196,48 +220,56 @@ def coefficients(constants, radius, youngs_modulus, poissons_ratio, yield_stress
         force_1,
         force_2,
         force_3,
-        k.area_1 + nu * (k.area_1_nu + nu * k.area_1_nu2),
-        k.area_2 + nu * (k.area_2_nu + nu * k.area_2_nu2),
+        k.area_1 + nu * k.area_1_nu,
+        k.area_2,
         k.area_3 + nu * k.area_3_nu,
         depth,
-        share,
-        k.indentation_1,
-        k.indentation_2,
-        k.upsetting_1,
-        k.upsetting_2,
-        k.upsetting_3,
+        first,
+        k.limit_over_1,
+        k.limit_over_2,
+        limit_over_3,
+        k.limit_under_1,
+        k.limit_under_2,
+        k.limit_under_3,
+        1.0 / (k.turn * k.turn),
         k.lag + nu * k.lag_nu,
-        k.lag_upset + share * k.lag_upset_yield,
+        k.lag_upset + nu * k.lag_upset_nu + first * k.lag_upset_yield,
         k.lag_upset_depth + nu * k.lag_upset_depth_nu,
-        k.onset,
-        k.onset_upset + nu * k.onset_upset_nu + share * k.onset_upset_yield,
-        k.onset_upset_depth + nu * k.onset_upset_depth_nu,
-        k.bend_upset + nu * k.bend_upset_nu + share * k.bend_upset_yield,
-        k.turn_area,
-        k.turn_recovery,
-        k.turn_shape,
+        k.onset + nu * k.onset_nu,
+        k.onset_upset_depth,
+        k.bend,
         k.spread_1,
         k.spread_2,
-        k.widening_1,
-        k.widening_2,
-        k.widening_3,
+        k.spread_3,
         k.growth,
-        k.growth_upset + share * k.growth_upset_yield,
-        k.growth_upset_depth,
+        k.growth_turn,
+        nu * k.growth_upset_nu,
+        k.growth_phi,
         math.expm1(e),
-        k.recovery + nu * (k.recovery_nu + nu * k.recovery_nu2),
+        k.recovery + squeezed * k.recovery_nu,
         k.recovery_depth,
+        k.recovery_upset + nu * nu * k.recovery_upset_nu2,
+        k.recovery_turn,
+        k.dip,
+        k.dip_upset,
         k.fading,
-        k.fading_upset + share * k.fading_upset_yield,
-        k.fading_upset_depth,
+        k.fading_depth + nu * k.fading_depth_nu,
+        k.fading_power,
+        k.fading_power_upset,
+        k.fading_turn,
+        k.swell,
+        k.swell_end,
         k.share,
-        k.share_upset,
-        k.round,
-        k.round_upset + nu * k.round_upset_nu,
-        k.round_upset_phi,
+        k.shape_turn,
+        max(0.0, k.mix + nu * k.mix_nu),
+        k.mix_power,
+        k.round + squeezed * k.round_nu,
+        k.round_phi,
+        k.round_upset,
         k.round_upset_depth,
-        k.slope_phi,
+        k.round_elastic,
+        k.round_elastic_depth,
+        k.slope,
         k.slope_upset,
-        k.slope_upset_phi,
-        k.slope_upset_depth,
+        k.slope_elastic,
     )

@@ -1,75 +1,108 @@
 """Unloading of the whole-range law: the recovered overlap, the shape of the branch, and its work. `law` is the record.
 
-From the largest depth D, s falls from 1 to 0 while the overlap w (over the radius) is recovered. Everything hangs on phi = f/f_el there and
-on the share of upsetting. w goes from D (elastic) to the plastic w_pl, which is Mesarovic & Johnson's 2 (1 - nu^2) F/(pi a E) for a contact
-small against the body and the springback of a bar of equal volume for D towards 1. The shape is a share e of the elastic branch itself
-and 1 - e of s [1 - x1 (1 - sqrt(s)) - x2 (1 - s)]: powers of sqrt(s) whose integral is closed.
+From the largest depth D, s falls from 1 to 0 while the overlap w (over the radius) is recovered. Everything depends on D, nu and phi = f/f_el
+there. w goes from D (elastic) to the plastic w_pl, which is Mesarovic & Johnson's 2 (1 - nu^2) F/(pi a E) for a contact small against the
+body (times a factor near 1: the pressure is not as uniform as they took it) and the springback of a bar of equal volume for a deep one.
+The shape is a share of the elastic branch itself, and for the rest s^(A + B s).
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from contactlaws.compiled import kernel
-from contactlaws.whole_range_loading import elastic_area, turned
+from contactlaws.whole_range_loading import elastic_area, share
+
+#: the exponent of the rest of the shape stays above: a smaller one would begin with an infinite slope
+LEAST_ROUND = 1.0
+#: the power by which the elastic part of the recovery fades stays above
+LEAST_FADING = 0.1
+#: for the work of the shape, in v with s = v^3: leaves less than 1e-9 of it
+_NODES, _SHARES = np.polynomial.legendre.leggauss(16)
 
 
 @kernel
-def behind(phi):  # type: ignore[no-untyped-def]
-    """r^(5/8) with r = f_el/f - 1: the measure of how far from elastic an unloading is, by roots that cost little."""
-    root = math.sqrt(1.0 / phi - 1.0)
-    return root * math.sqrt(math.sqrt(root))
+def plastic_recovery(law, depth, load, phi, area):  # type: ignore[no-untyped-def]
+    """w_pl: Mesarovic & Johnson's and the bar's added in squares, each with its factor."""
+    h = 1.0 - depth
+    punch = 2.0 * (1.0 - law.poissons_ratio * law.poissons_ratio * h * h)
+    upset = share(depth, law.recovery_turn, 4)
+    local = law.recovery * (1.0 - law.recovery_depth * math.sqrt(depth))
+    factor = local + upset * (law.recovery_upset - local)
+    dip = phi * (1.0 - phi) * (law.dip * phi + upset * law.dip_upset)
+    return law.compliance * load * h * h * math.sqrt(punch * punch / area + 2.25) * factor * (1.0 - dip)
 
 
 @kernel
-def recovered_depth(law, depth, load, phi, upset, area):  # type: ignore[no-untyped-def]
+def recovered_depth(law, depth, load, phi, area):  # type: ignore[no-untyped-def]
     """w: the overlap over the radius that unloading from `depth` gives back."""
     if phi >= 1.0:
         return depth
-    h = 1.0 - depth
-    punch = 2.0 * (1.0 - law.poissons_ratio * law.poissons_ratio * h)
-    bar = h * h * math.sqrt(punch * punch / area + 2.25)
-    plastic = min(depth, law.compliance * load * bar * math.exp(-depth * h * law.recovery / (1.0 + law.recovery_depth * depth)))
-    power = law.fading + turned(upset, law.turn_recovery) * (law.fading_upset - law.fading + law.fading_upset_depth * depth)
-    return plastic + (depth - plastic) * math.exp(-power * behind(phi))
+    plastic = min(depth, plastic_recovery(law, depth, load, phi, area))
+    power = law.fading_power + share(depth, law.fading_turn, 4) * law.fading_power_upset
+    fading = max(LEAST_FADING, law.fading + law.fading_depth * depth * depth)
+    left = math.exp(-fading * (-math.log(phi)) ** power)
+    left *= 1.0 + share(depth, law.recovery_turn, 4) * law.swell * (1.0 - phi) * (law.swell_end - (1.0 - phi))
+    return min(depth, plastic + (depth - plastic) * left)
 
 
 @kernel
-def shape_terms(law, depth, phi, upset):  # type: ignore[no-untyped-def]
-    """Factors of s, s^1.5, s^2, s^2.5 and s^4.5 in f/f_max; they sum to 1."""
+def shape_terms(law, depth, phi):  # type: ignore[no-untyped-def]
+    """Share of the elastic branch; terms of that in sqrt(s), s and s^3; A and B of the rest."""
     t = math.sqrt(depth)
     one, two, three = law.force_1 * t, law.force_2 * depth, law.force_3 * depth * depth * depth
-    upset = turned(upset, law.turn_shape)
-    share = phi * (1.0 + (1.0 - phi) * (law.share + upset * (law.share_upset - law.share)))
-    elastic = share / (1.0 + one + two + three)
-    x1 = law.round + upset * (law.round_upset - law.round + law.round_upset_phi * phi + law.round_upset_depth * depth)
-    x2 = phi * law.slope_phi
-    x2 += upset * (law.slope_upset + law.slope_upset_phi * phi + law.slope_upset_depth * depth - x2)
-    x1 = min(x1, 1.0 - x2)  # no tension at the end
-    rest = 1.0 - share
-    return rest * (1.0 - x1 - x2), elastic + rest * x1, elastic * one + rest * x2, elastic * two, elastic * three
+    if phi >= 1.0:
+        return 1.0, one, two, three, 1.5, 0.0
+    upset = share(depth, law.shape_turn, 6)
+    mix = 1.0 / (1.0 + (law.mix * (1.0 - phi) / phi) ** law.mix_power)
+    round_plastic = (1.0 - upset) * (law.round - law.round_phi * phi * phi) + upset * (law.round_upset + law.round_upset_depth * depth)
+    slope_plastic = law.slope + upset * (law.slope_upset - law.slope)
+    power = round_plastic + mix * (law.round_elastic + law.round_elastic_depth * depth - round_plastic)
+    return phi**law.share, one, two, three, max(LEAST_ROUND, power), slope_plastic + mix * (law.slope_elastic - slope_plastic)
 
 
 @kernel
 def shape(terms, s):  # type: ignore[no-untyped-def]
     """f/f_max at the share s of the recovery that is left."""
+    if s <= 0.0:
+        return 0.0
+    elastic, one, two, three, power, slope = terms
     t = math.sqrt(s)
-    return s * (terms[0] + t * (terms[1] + t * (terms[2] + t * (terms[3] + s * s * terms[4]))))
+    own = s * t * (1.0 + t * (one + t * (two + s * s * three))) / (1.0 + one + two + three)
+    if elastic >= 1.0:
+        return own
+    return elastic * own + (1.0 - elastic) * math.exp((power + slope * s) * math.log(s))
 
 
 @kernel
 def shape_work(terms, s):  # type: ignore[no-untyped-def]
-    """Integral of `shape` from 0 to s."""
+    """Integral of `shape` from 0 to s: closed for the elastic share, Gauss quadrature for the rest."""
+    if s <= 0.0:
+        return 0.0
+    elastic, one, two, three, power, slope = terms
     t = math.sqrt(s)
-    rest = t * (terms[1] / 2.5 + t * (terms[2] / 3.0 + t * (terms[3] / 3.5 + s * s * terms[4] / 5.5)))
-    return s * s * (0.5 * terms[0] + rest)
+    own = s * s * t * (0.4 + t * (one / 3.0 + t * (two / 3.5 + s * s * three / 5.5))) / (1.0 + one + two + three)
+    if elastic >= 1.0:
+        return own
+    rest = 0.0
+    for j in range(_NODES.size):
+        v = 0.5 * (1.0 + _NODES[j])
+        at = s * v * v * v
+        rest += 0.5 * _SHARES[j] * 3.0 * s * v * v * math.exp((power + slope * at) * math.log(at))
+    return elastic * own + (1.0 - elastic) * rest
 
 
 @kernel
 def shape_slope(terms, s):  # type: ignore[no-untyped-def]
-    """Derivative of `shape`."""
+    """Derivative of `shape`, s > 0."""
+    elastic, one, two, three, power, slope = terms
     t = math.sqrt(s)
-    return terms[0] + t * (1.5 * terms[1] + t * (2.0 * terms[2] + t * (2.5 * terms[3] + s * s * 4.5 * terms[4])))
+    own = t * (1.5 + t * (2.0 * one + t * (2.5 * two + s * s * 4.5 * three))) / (1.0 + one + two + three)
+    log = math.log(s)
+    rest = math.exp((power + slope * s - 1.0) * log) * (power + slope * s * (1.0 + log))
+    return elastic * own + (1.0 - elastic) * rest
 
 
 @kernel

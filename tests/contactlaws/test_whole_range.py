@@ -16,7 +16,8 @@ from contactlaws.errors import InputError
 from contactlaws.material import Material
 from contactlaws.path import scan, trace
 from contactlaws.whole_range import END, unloading, whole_range, whole_range_compact
-from contactlaws.whole_range_loading import AREA, INDENTATION, PRESSURE, elastic_area, elastic_load, loading_load, plastic_limit
+from contactlaws.whole_range_loading import AREA, BAR, INDENTATION, PRESSURE, elastic_area, elastic_load, loading_load, plastic_limit
+from contactlaws.whole_range_unloading import shape, shape_slope, shape_terms, shape_work
 
 MAKERS = pytest.mark.parametrize("make", [whole_range, whole_range_compact], ids=["whole", "compact"])
 SLOW = pytest.mark.compiled_only(reason="tens of thousands of evaluations of the law")
@@ -69,15 +70,15 @@ def test_similarity_and_mesarovic_johnson_where_stiff_and_shallow(make: Any):
     assert load / depth == pytest.approx(INDENTATION, rel=small)
     assert area / depth == pytest.approx(AREA, rel=5.0 * phi + small)
     assert load / area == pytest.approx(PRESSURE, rel=5.0 * phi + small)
-    assert recovered == pytest.approx(2.0 * (1.0 - nu**2) * load / math.sqrt(area) / modulus, rel=small)
+    # theirs holds for an even pressure; finite elements (E/Y = 1e6, D = 3e-4) give 1.04 of it, curves from D = .01 on, fitted, some less
+    assert recovered == pytest.approx(2.0 * (1.0 - nu**2) * load / math.sqrt(area) / modulus, rel=0.05)
 
 
 @MAKERS
 def test_a_bar_of_constant_volume_where_deep(make: Any):
-    """The plastic limit towards D = 1: Y on the area 2/3 pi R^2/(1 - D); within the 2 % that an eighth root leaves."""
-    limit, upset = plastic_limit(body(make, 100.0), 0.9999)
-    assert limit * 1.5e-4 == pytest.approx(1.0, rel=0.02)
-    assert upset > 0.5
+    """The plastic limit towards D = 1: Y on the area 2/3 pi R^2/(1 - D)."""
+    left = 1e-6
+    assert plastic_limit(body(make, 100.0), 1.0 - left) * left == pytest.approx(BAR, rel=20.0 * left)  # ratio of cubics: smooth there
 
 
 @MAKERS
@@ -139,7 +140,22 @@ def test_no_energy_from_nothing_over_the_whole_range(make: Any, poissons_ratio: 
 
 def energy_of(state: tuple[Any, ...]) -> float:
     load, _, _, recovered, terms = state
-    return load * recovered * sum(term / power for term, power in zip(terms, (2.0, 2.5, 3.0, 3.5, 5.5), strict=True))
+    return load * recovered * shape_work(terms, 1.0)
+
+
+@pytest.mark.parametrize("phi", [1.0, 0.9, 0.5, 0.01])
+@pytest.mark.parametrize("depth", [0.01, 0.2, 0.5])
+def test_shape_its_slope_and_its_work_belong_together(phi: float, depth: float):
+    terms = shape_terms(body(whole_range, 20.0), depth, phi)
+    assert shape(terms, 1.0) == pytest.approx(1.0, rel=1e-14)
+    step = 1e-6
+    for s in (0.1, 0.5, 0.9):
+        # central difference of a smooth function: step^2, and round-off over the step
+        assert (shape(terms, s + step) - shape(terms, s - step)) / (2.0 * step) == pytest.approx(shape_slope(terms, s), rel=1e-8)
+        points, weights = np.polynomial.legendre.leggauss(40)
+        v = 0.5 * (1.0 + points)  # s v^4: the integrand goes with a power of v of at least 7
+        work = sum(2.0 * weight * s * at**3 * shape(terms, s * at**4) for at, weight in zip(v, weights, strict=True))
+        assert shape_work(terms, s) == pytest.approx(work, rel=1e-8)
 
 
 @SLOW
