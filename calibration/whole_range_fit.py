@@ -44,7 +44,10 @@ COMPACT_FREE = (
     "limit_over_2", "limit_under_2", "limit_under_3", "turn", "lag_upset", "lag_upset_yield", "onset", "spread_2", "spread_3",
     "recovery_depth", "recovery_upset", "dip_upset", "fading", "fading_power",
 )  # fmt: skip
-COMPACT_FIXED = dict.fromkeys(("growth", "recovery", "share", "mix", "mix_power", "round_upset"), 1.0) | {"round": 1.5, "round_elastic": 1.5}
+COMPACT_FIXED = dict.fromkeys(("growth", "recovery", "share", "mix", "mix_power", "round_upset"), 1.0) | {
+    "round": 1.5,
+    "round_elastic": 1.5,
+}
 COMPACT_TURNS = ("growth_turn", "recovery_turn", "fading_turn", "shape_turn")
 COMPACT_START = {
     "limit_over_2": 10.0, "limit_under_2": 13.0, "limit_under_3": 150.0, "turn": 0.09, "lag_upset": 0.7, "lag_upset_yield": -1.2,

@@ -118,7 +118,8 @@ def _numba_law(law: Any) -> Law:
     return law_of(law.instance_class)
 
 
-@overload(normal_force)
+# part of its caller: to hand over a record of dozens of values takes longer than the force itself
+@overload(normal_force, jit_options={"forceinline": True})
 def _(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
     function = _numba_law(law).force
     return lambda law, overlap, rate, dt, state: function(law, overlap, rate, dt, state)

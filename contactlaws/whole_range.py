@@ -9,6 +9,7 @@ computes the force alone, and of many unloading steps only the first computes th
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any
 
@@ -34,6 +35,9 @@ from contactlaws.whole_range_unloading import recovered_depth, retreat, shape, s
 DEEPEST = 0.6
 #: a body pressed to more than this overlap over the radius is kept there: at 1 nothing of it is left
 END = 0.99
+
+#: for what every contact needs while it loads
+_inlined = functools.partial(kernel, inline=True)
 
 
 def whole_range(material: Material, radius: float) -> WholeRange:
@@ -81,7 +85,7 @@ def unloading(law, depth):  # type: ignore[no-untyped-def]
     return load * factor, phi, area * factor, recovered / factor, shape_terms(law, at, phi)
 
 
-@kernel
+@_inlined
 def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
     """Loading branch, or unloading from the largest overlap."""
     if overlap <= 0.0:
@@ -105,7 +109,7 @@ def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped
     return law.force_unit * load * shape(terms, s), after
 
 
-@kernel
+@_inlined
 def any_load(law, depth):  # type: ignore[no-untyped-def]
     """f on the loading branch, at any depth."""
     if depth <= DEEPEST:
@@ -166,7 +170,7 @@ def whole_range_stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
             slope = elastic_slope(law, at)
             growth = max(0.0, phi - share) / (depth - before) * elastic_load(law, at)
             largest = max(largest, factor * (max(stiffness, slope) * max(share, phi) + growth) + load / (1.0 - depth) * (factor > 1.0))
-            for s in (0.0, 0.25, 0.5, 0.75, 1.0):
+            for s in (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0):
                 largest = max(largest, 1.01 * load / recovered * shape_slope(terms, s))
             before, share, stiffness = depth, phi, slope
     return law.force_unit / law.radius * largest

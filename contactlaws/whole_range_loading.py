@@ -1,7 +1,7 @@
 """Loading branch of the whole-range law: force, contact area and work. `law` is the record, D = depth the overlap over the radius.
 
-Plastic limit P: from the indentation of a half-space (similarity: p = 2.84 Y on a^2 = 2.86 R d, f = 8.12 D) at D = 0 to the upsetting of the
-whole body (a bar of equal volume at yield, 2/(3 (1 - D))) at D = 1, one ratio of polynomials of sqrt(D) and D in between.
+Plastic limit P: from the indentation of a half-space (similarity: p = 2.84 Y on a^2 = 2.86 R d, f = 8.12 D) at D = 0 to the upsetting of
+the whole body (a bar of equal volume at yield, 2/(3 (1 - D))) at D = 1, one ratio of polynomials of sqrt(D) and D in between.
 Force: with s = f_el/P and z what s exceeds its value at first yield by, f_el/f = 1 + z^2 (z + a)/(z^2 + (a + b) z + c): exactly elastic
 before yield, the same slope there, towards P far beyond. The bend a, the lag b and the onset c go from indentation to upsetting.
 Area: from the elastic to the plastic one as the force falls behind the elastic one. One root and three divisions make a force.
@@ -9,6 +9,7 @@ Area: from the elastic to the plastic one as the force falls behind the elastic 
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -28,8 +29,11 @@ LEAST_GROWTH = 0.1
 _NODES, _SHARES = np.polynomial.legendre.leggauss(8)
 _PANELS = 12
 
+#: for what the force of a loading contact is made of
+_inlined = functools.partial(kernel, inline=True)
 
-@kernel
+
+@_inlined
 def elastic_factor(one, two, three, t):  # type: ignore[no-untyped-def]
     """1 + one t + two t^2 + three t^6: what a finite body adds to Hertz, t = sqrt(D)."""
     square = t * t
@@ -64,7 +68,7 @@ def elastic_slope(law, depth):  # type: ignore[no-untyped-def]
     return law.stiffness * t * (1.5 + t * (2.0 * law.force_1 + t * (2.5 * law.force_2 + t**4 * 4.5 * law.force_3)))
 
 
-@kernel
+@_inlined
 def limit_parts(law, depth, t):  # type: ignore[no-untyped-def]
     """P (1 - D)/(8.12 D) as dividend and divisor, t = sqrt(D)."""
     over = 1.0 + law.limit_over_1 * t + depth * (law.limit_over_2 + depth * law.limit_over_3)
@@ -78,7 +82,7 @@ def plastic_limit(law, depth):  # type: ignore[no-untyped-def]
     return INDENTATION * depth * over / ((1.0 - depth) * under)
 
 
-@kernel
+@_inlined
 def loading_load(law, depth):  # type: ignore[no-untyped-def]
     """f on the loading branch. The elastic force over the plastic limit is formed by one division: this is the force of every contact."""
     t = math.sqrt(depth)

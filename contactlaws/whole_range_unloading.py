@@ -1,9 +1,9 @@
 """Unloading of the whole-range law: the recovered overlap, the shape of the branch, and its work. `law` is the record.
 
-From the largest depth D, s falls from 1 to 0 while the overlap w (over the radius) is recovered. Everything depends on D, nu and phi = f/f_el
-there. w goes from D (elastic) to the plastic w_pl, which is Mesarovic & Johnson's 2 (1 - nu^2) F/(pi a E) for a contact small against the
-body (times a factor near 1: the pressure is not as uniform as they took it) and the springback of a bar of equal volume for a deep one.
-The shape is a share of the elastic branch itself, and for the rest s^(A + B s).
+From the largest depth D, s falls from 1 to 0 while the overlap w (over the radius) is recovered. Everything depends on D, nu and
+phi = f/f_el there. w goes from D (elastic) to the plastic w_pl, which is Mesarovic & Johnson's 2 (1 - nu^2) F/(pi a E) for a contact small
+against the body (times a factor near 1: the pressure is not as even as they took it) and the springback of a bar of equal volume for a
+deep one. The shape is a share of the elastic branch itself, and for the rest s^(A + B s).
 """
 
 from __future__ import annotations
@@ -96,8 +96,10 @@ def shape_work(terms, s):  # type: ignore[no-untyped-def]
 
 @kernel
 def shape_slope(terms, s):  # type: ignore[no-untyped-def]
-    """Derivative of `shape`, s > 0."""
+    """Derivative of `shape`."""
     elastic, one, two, three, power, slope = terms
+    if s <= 0.0:
+        return 1.0 - elastic if power <= 1.0 else 0.0
     t = math.sqrt(s)
     own = t * (1.5 + t * (2.0 * one + t * (2.5 * two + s * s * 4.5 * three))) / (1.0 + one + two + three)
     log = math.log(s)
