@@ -73,7 +73,6 @@ class Constants(NamedTuple):
     recovery_nu: float
     recovery_depth: float
     recovery_upset: float
-    recovery_upset_nu2: float
     recovery_turn: float
     dip: float
     dip_upset: float
@@ -86,7 +85,7 @@ class Constants(NamedTuple):
     fading_turn: float
     swell: float
     swell_end: float
-    # shape of the unloading: phi^share of the elastic one; A and B from plastic (u with its own turn) to elastic by mix
+    # shape of the unloading: phi^share of the elastic one; A and B from plastic (u with its own turn) to elastic by mix; a dip of A between
     share: float
     shape_turn: float
     mix: float
@@ -95,6 +94,7 @@ class Constants(NamedTuple):
     round: float
     round_nu: float
     round_phi: float
+    round_dip: float
     round_upset: float
     round_upset_depth: float
     round_elastic: float
@@ -161,6 +161,7 @@ class WholeRange(NamedTuple):
     mix_power: float
     round: float  # A
     round_phi: float
+    round_dip: float
     round_upset: float
     round_upset_depth: float
     round_elastic: float
@@ -248,7 +249,7 @@ def coefficients(constants, radius, youngs_modulus, poissons_ratio, yield_stress
         math.expm1(e),
         k.recovery + squeezed * k.recovery_nu,
         k.recovery_depth,
-        k.recovery_upset + nu * nu * k.recovery_upset_nu2,
+        k.recovery_upset,
         k.recovery_turn,
         k.dip,
         k.dip_upset,
@@ -265,6 +266,7 @@ def coefficients(constants, radius, youngs_modulus, poissons_ratio, yield_stress
         k.mix_power,
         k.round + squeezed * k.round_nu,
         k.round_phi,
+        k.round_dip,
         k.round_upset,
         k.round_upset_depth,
         k.round_elastic,

@@ -57,9 +57,10 @@ def shape_terms(law, depth, phi):  # type: ignore[no-untyped-def]
         return 1.0, one, two, three, 1.5, 0.0
     upset = share(depth, law.shape_turn, 6)
     mix = 1.0 / (1.0 + (law.mix * (1.0 - phi) / phi) ** law.mix_power)
-    round_plastic = (1.0 - upset) * (law.round - law.round_phi * phi * phi) + upset * (law.round_upset + law.round_upset_depth * depth)
+    round_plastic = (1.0 - upset) * (law.round + law.round_phi * phi) + upset * (law.round_upset + law.round_upset_depth * depth)
     slope_plastic = law.slope + upset * (law.slope_upset - law.slope)
     power = round_plastic + mix * (law.round_elastic + law.round_elastic_depth * depth - round_plastic)
+    power += (1.0 - upset) * law.round_dip * phi * (1.0 - phi)
     return phi**law.share, one, two, three, max(LEAST_ROUND, power), slope_plastic + mix * (law.slope_elastic - slope_plastic)
 
 
