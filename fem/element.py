@@ -12,118 +12,165 @@ import math
 import numpy as np
 
 from contactlaws.compiled import kernel
-from fem.stress import pressure, principal, principal_tangent, radial_return, volumetric_energy
+from fem.stress import hencky_deviator, inlined, norm_squared, pressure, radial_return, sinh_over, tangent, volumetric_energy
 
 
-@kernel
-def deformation(displacement, nodes, gradient, hoop):  # type: ignore[no-untyped-def]
-    """Deformation gradient (rr, rz, zr, zz, hoop) at one Gauss point."""
-    f11, f12, f21, f22, f33 = 1.0, 0.0, 0.0, 1.0, 1.0
-    for i in range(4):
-        ur, uz = displacement[nodes[i], 0], displacement[nodes[i], 1]
-        f11 += ur * gradient[i, 0]
-        f12 += ur * gradient[i, 1]
-        f21 += uz * gradient[i, 0]
-        f22 += uz * gradient[i, 1]
-        f33 += ur * hoop[i]
-    return f11, f12, f21, f22, f33
+@inlined
+def deform(displacement, cells, gradients, hoops, volumes, e, stretch):  # type: ignore[no-untyped-def]
+    """Fill `stretch` (4, 5) with the deformation gradients (rr, rz, zr, zz, hoop) at the Gauss points of element `e`.
 
-
-@kernel
-def trial_elastic(f, c):  # type: ignore[no-untyped-def]
-    """Trial b = F Cp^-1 F^T (rr, zz, rz, hoop) from the deformation gradient and the stored Cp^-1 (rr, zz, rz, hoop)."""
-    f11, f12, f21, f22, f33 = f
-    b11 = f11 * f11 * c[0] + 2.0 * f11 * f12 * c[2] + f12 * f12 * c[1]
-    b22 = f21 * f21 * c[0] + 2.0 * f21 * f22 * c[2] + f22 * f22 * c[1]
-    b12 = f11 * f21 * c[0] + (f11 * f22 + f12 * f21) * c[2] + f12 * f22 * c[1]
-    return b11, b22, b12, f33 * f33 * c[3]
-
-
-@kernel
-def mean_dilatation(displacement, nodes, gradients, hoops, volumes):  # type: ignore[no-untyped-def]
-    """Deformed over undeformed volume of one element; not positive if it is turned inside out anywhere."""
+    Returns its deformed over its undeformed volume, which is not positive if it is turned inside out anywhere, and the undeformed one.
+    """
     total, undeformed, smallest = 0.0, 0.0, 1.0
     for g in range(4):
-        f11, f12, f21, f22, f33 = deformation(displacement, nodes, gradients[g], hoops[g])
+        f11, f12, f21, f22, f33 = 1.0, 0.0, 0.0, 1.0, 1.0
+        for i in range(4):
+            node, gr, gz = cells[e, i], gradients[e, g, i, 0], gradients[e, g, i, 1]
+            ur, uz = displacement[node, 0], displacement[node, 1]
+            f11 += ur * gr
+            f12 += ur * gz
+            f21 += uz * gr
+            f22 += uz * gz
+            f33 += ur * hoops[e, g, i]
+        stretch[g, 0], stretch[g, 1], stretch[g, 2], stretch[g, 3], stretch[g, 4] = f11, f12, f21, f22, f33
         jacobian = (f11 * f22 - f12 * f21) * f33
         smallest = min(smallest, jacobian, f33)
-        total += jacobian * volumes[g]
-        undeformed += volumes[g]
+        total += jacobian * volumes[e, g]
+        undeformed += volumes[e, g]
     if smallest <= 0.0:
         return -1.0, undeformed
     return total / undeformed, undeformed
 
 
-@kernel
-def element(displacement, nodes, gradients, hoops, volumes, history, moduli, force, stiffness, tangent, b_matrix, spread):  # type: ignore[no-untyped-def]
-    """Nodal forces (8) and tangent stiffness (8 x 8) of one element; returns False if it is turned inside out.
+@inlined
+def trial_elastic(stretch, history, e, g):  # type: ignore[no-untyped-def]
+    """Trial b = F Cp^-1 F^T (rr, zz, rz, hoop) from the deformation gradient and the stored Cp^-1 (rr, zz, rz, hoop)."""
+    f11, f12, f21, f22, f33 = stretch[g, 0], stretch[g, 1], stretch[g, 2], stretch[g, 3], stretch[g, 4]
+    c11, c22, c12 = history[e, g, 0], history[e, g, 1], history[e, g, 2]
+    b11 = f11 * f11 * c11 + 2.0 * f11 * f12 * c12 + f12 * f12 * c22
+    b22 = f21 * f21 * c11 + 2.0 * f21 * f22 * c12 + f22 * f22 * c22
+    b12 = f11 * f21 * c11 + (f11 * f22 + f12 * f21) * c12 + f12 * f22 * c22
+    return b11, b22, b12, f33 * f33 * history[e, g, 3]
 
-    moduli: bulk, shear, yield stress (infinite: elastic). `tangent` (5 x 5), `b_matrix` (5 x 8) and `spread` (2 x 8) are work space.
-    Written as one loop over Gauss points because the parts share everything they compute.
+
+#: rows in the work space of an element, a number for each node
+GRADIENT_R, GRADIENT_Z, GRADIENT_H = 0, 1, 2  # of the shape functions
+R_BY_RR, R_BY_RZ, R_BY_H, R_BY_ZR, R_BY_ZZ, Z_BY_ZR, Z_BY_ZZ = 3, 4, 5, 6, 7, 8, 9  # stresses from a node's displacement along r or z
+BLOCK_RR, BLOCK_ZR, BLOCK_ZZ = 10, 14, 18  # of the symmetric part of the stiffness, four rows each
+ROWS = 22
+
+
+@kernel
+def work_space():  # type: ignore[no-untyped-def]
+    """What `element` writes on: deformation gradients, a tangent, derivatives of volume and flow, rows of the nodes."""
+    return np.empty((4, 5)), np.empty((5, 5)), np.empty((2, 8)), np.empty((ROWS, 4))
+
+
+@inlined
+def element(displacement, cells, gradients, hoops, volumes, history, moduli, e, force, stiffness, stretch, entries, spread, rows):  # type: ignore[no-untyped-def]
+    """Nodal forces (8) and tangent stiffness (8 x 8) of element `e`; returns False if it is turned inside out.
+
+    moduli: bulk, shear, yield stress (infinite: elastic). The last four are from `work_space`.
     """
     bulk, shear, yield_stress = moduli
-    dilatation, undeformed = mean_dilatation(displacement, nodes, gradients, hoops, volumes)
+    dilatation, undeformed = deform(displacement, cells, gradients, hoops, volumes, e, stretch)
     if dilatation <= 0.0:
         return False
     mean_stress, slope = pressure(bulk, dilatation)
-    force[:] = 0.0
-    stiffness[:, :] = 0.0
-    spread[:, :] = 0.0  # row 0: derivative of the deformed volume; row 1: of the nodal forces with the yield limit's J
+    for i in range(8):
+        # spread: derivative of the deformed volume; and of the nodal forces with the yield limit
+        force[i] = spread[0, i] = spread[1, i] = 0.0
+    for i in range(BLOCK_RR, ROWS):
+        for j in range(4):
+            rows[i, j] = 0.0
     for g in range(4):
-        f = deformation(displacement, nodes, gradients[g], hoops[g])
-        f11, f12, f21, f22, f33 = f
-        in_plane = f11 * f22 - f12 * f21
-        jacobian = in_plane * f33
-        b11, b22, b12, b33 = trial_elastic(f, history[g])
-        b1, b2, c, s = principal(b11, b22, b12)
-        s1, s2, s3, ratio, _ = radial_return(0.5 * math.log(b1), 0.5 * math.log(b2), 0.5 * math.log(b33), shear, dilatation * yield_stress)
-        volume = volumes[g]
-        principal_tangent(tangent, b1, b2, s1, s2, s3, ratio, shear, mean_stress * jacobian)
-        for i in range(4):
-            # spatial gradient of the shape function, then in the principal axes
-            gr = (f22 * gradients[g, i, 0] - f21 * gradients[g, i, 1]) / in_plane
-            gz = (-f12 * gradients[g, i, 0] + f11 * gradients[g, i, 1]) / in_plane
-            g1, g2 = c * gr + s * gz, -s * gr + c * gz
-            r, z = 2 * i, 2 * i + 1
-            b_matrix[0, r], b_matrix[1, r], b_matrix[2, r], b_matrix[3, r] = c * g1, c * g2, -s * g1, -s * g2
-            b_matrix[0, z], b_matrix[1, z], b_matrix[2, z], b_matrix[3, z] = s * g1, s * g2, c * g1, c * g2
-            b_matrix[4, r], b_matrix[4, z] = hoops[g, i] / f33, 0.0
-        limit = 0.0
-        if ratio < 1.0:
-            limit = volume / dilatation
-        for a in range(8):
-            deviator = s1 * b_matrix[0, a] + s2 * b_matrix[3, a] + s3 * b_matrix[4, a]
-            force[a] += volume * deviator
-            spread[0, a] += volume * jacobian * (b_matrix[0, a] + b_matrix[3, a] + b_matrix[4, a])
-            spread[1, a] += limit * deviator
-        for a in range(8):
-            t0 = volume * (tangent[0, 0] * b_matrix[0, a] + tangent[3, 0] * b_matrix[3, a] + tangent[4, 0] * b_matrix[4, a])
-            t1 = volume * (tangent[1, 1] * b_matrix[1, a] + tangent[2, 1] * b_matrix[2, a])
-            t2 = volume * (tangent[1, 2] * b_matrix[1, a] + tangent[2, 2] * b_matrix[2, a])
-            t3 = volume * (tangent[0, 3] * b_matrix[0, a] + tangent[3, 3] * b_matrix[3, a] + tangent[4, 3] * b_matrix[4, a])
-            t4 = volume * (tangent[0, 4] * b_matrix[0, a] + tangent[3, 4] * b_matrix[3, a] + tangent[4, 4] * b_matrix[4, a])
-            for j in range(8):
-                stiffness[a, j] += (
-                    t0 * b_matrix[0, j] + t1 * b_matrix[1, j] + t2 * b_matrix[2, j] + t3 * b_matrix[3, j] + t4 * b_matrix[4, j]
-                )
-    for a in range(8):
-        force[a] += mean_stress * spread[0, a]
-        row = (slope * spread[0, a] + spread[1, a]) / undeformed
-        for j in range(8):
-            stiffness[a, j] += row * spread[0, j]
+        spatial_gradients(stretch, gradients, hoops, e, g, rows)
+        jacobian = (stretch[g, 0] * stretch[g, 3] - stretch[g, 1] * stretch[g, 2]) * stretch[g, 4]
+        b11, b22, b12, b33 = trial_elastic(stretch, history, e, g)
+        a, h, k = hencky_deviator(b11, b22, b12, b33)
+        ratio, _ = radial_return(a, h, k, shear, dilatation * yield_stress)
+        add_forces(a, h, k, 2.0 * shear * ratio * volumes[e, g], jacobian * volumes[e, g], ratio < 1.0, rows, force, spread)
+        tangent(b11, b22, b12, a, h, k, ratio, shear, mean_stress * jacobian, volumes[e, g], entries)
+        add_blocks(entries, rows)
+    by_volume, by_limit = slope / undeformed, 1.0 / (dilatation * undeformed)
+    for i in range(8):
+        force[i] += mean_stress * spread[0, i]
+        # the limit J Y grows with J, and the stress on it
+        spread[1, i] = by_volume * spread[0, i] + by_limit * spread[1, i]
+    for i in range(4):
+        for j in range(4):
+            stiffness[2 * i, 2 * j] = rows[BLOCK_RR + i, j] + spread[1, 2 * i] * spread[0, 2 * j]
+            stiffness[2 * i, 2 * j + 1] = rows[BLOCK_ZR + j, i] + spread[1, 2 * i] * spread[0, 2 * j + 1]
+            stiffness[2 * i + 1, 2 * j] = rows[BLOCK_ZR + i, j] + spread[1, 2 * i + 1] * spread[0, 2 * j]
+            stiffness[2 * i + 1, 2 * j + 1] = rows[BLOCK_ZZ + i, j] + spread[1, 2 * i + 1] * spread[0, 2 * j + 1]
     return True
+
+
+@inlined
+def spatial_gradients(stretch, gradients, hoops, e, g, rows):  # type: ignore[no-untyped-def]
+    """Put the derivatives of the shape functions with the deformed place into `rows`."""
+    f11, f12, f21, f22 = stretch[g, 0], stretch[g, 1], stretch[g, 2], stretch[g, 3]
+    over, hoop_over = 1.0 / (f11 * f22 - f12 * f21), 1.0 / stretch[g, 4]
+    f11, f12, f21, f22 = f11 * over, f12 * over, f21 * over, f22 * over
+    for i in range(4):
+        gr, gz = gradients[e, g, i, 0], gradients[e, g, i, 1]
+        rows[GRADIENT_R, i] = f22 * gr - f21 * gz
+        rows[GRADIENT_Z, i] = f11 * gz - f12 * gr
+        rows[GRADIENT_H, i] = hoops[e, g, i] * hoop_over
+
+
+@inlined
+def add_forces(a, h, k, stress, deformed, flows, rows, force, spread):  # type: ignore[no-untyped-def]
+    """Add to the nodal forces the deviator's, and to `spread` the derivatives of the volume and the forces of points that flow.
+
+    stress: twice the modulus that is left of the shear modulus, times the volume; deformed: the volume now.
+    """
+    rr, zz, rz, hoop = stress * (a + h), stress * (a - h), stress * k, -2.0 * stress * a
+    for i in range(4):
+        gr, gz, gh = rows[GRADIENT_R, i], rows[GRADIENT_Z, i], rows[GRADIENT_H, i]
+        along_r, along_z = rr * gr + rz * gz + hoop * gh, rz * gr + zz * gz
+        force[2 * i] += along_r
+        force[2 * i + 1] += along_z
+        spread[0, 2 * i] += deformed * (gr + gh)
+        spread[0, 2 * i + 1] += deformed * gz
+        if flows:
+            spread[1, 2 * i] += along_r
+            spread[1, 2 * i + 1] += along_z
+
+
+@inlined
+def add_blocks(t, rows):  # type: ignore[no-untyped-def]
+    """Add gradient x tangent x gradient of one Gauss point to the blocks of the stiffness: r with r, z with r and z with z.
+
+    t: tangent (5, 5), symmetric: rr, rz, zr, zz, hoop. A displacement along r has the gradients rr, rz and hoop, one along z zr and zz.
+    """
+    for j in range(4):
+        gr, gz, gh = rows[GRADIENT_R, j], rows[GRADIENT_Z, j], rows[GRADIENT_H, j]
+        rows[R_BY_RR, j] = t[0, 0] * gr + t[0, 1] * gz + t[0, 4] * gh
+        rows[R_BY_RZ, j] = t[1, 0] * gr + t[1, 1] * gz + t[1, 4] * gh
+        rows[R_BY_H, j] = t[4, 0] * gr + t[4, 1] * gz + t[4, 4] * gh
+        rows[R_BY_ZR, j] = t[2, 0] * gr + t[2, 1] * gz + t[2, 4] * gh
+        rows[R_BY_ZZ, j] = t[3, 0] * gr + t[3, 1] * gz + t[3, 4] * gh
+        rows[Z_BY_ZR, j] = t[2, 2] * gr + t[2, 3] * gz
+        rows[Z_BY_ZZ, j] = t[3, 2] * gr + t[3, 3] * gz
+    for i in range(4):
+        gr, gz, gh = rows[GRADIENT_R, i], rows[GRADIENT_Z, i], rows[GRADIENT_H, i]
+        for j in range(4):
+            rows[BLOCK_RR + i, j] += gr * rows[R_BY_RR, j] + gz * rows[R_BY_RZ, j] + gh * rows[R_BY_H, j]
+            rows[BLOCK_ZR + i, j] += gr * rows[R_BY_ZR, j] + gz * rows[R_BY_ZZ, j]
+            rows[BLOCK_ZZ + i, j] += gr * rows[Z_BY_ZR, j] + gz * rows[Z_BY_ZZ, j]
 
 
 @kernel
 def assemble(displacement, cells, gradients, hoops, volumes, history, moduli, slots, forces, band):  # type: ignore[no-untyped-def]
     """Sum all elements into nodal forces (dofs) and the flat band matrix (entries go to `slots`); False if one is inside out."""
     force, stiffness = np.empty(8), np.empty((8, 8))
-    tangent, b_matrix, spread = np.empty((5, 5)), np.zeros((5, 8)), np.empty((2, 8))
+    stretch, entries, spread, rows = work_space()
     forces[:] = 0.0
     band[:] = 0.0
     for e in range(cells.shape[0]):
         if not element(
-            displacement, cells[e], gradients[e], hoops[e], volumes[e], history[e], moduli, force, stiffness, tangent, b_matrix, spread
+            displacement, cells, gradients, hoops, volumes, history, moduli, e, force, stiffness, stretch, entries, spread, rows
         ):
             return False
         for a in range(8):
@@ -133,40 +180,41 @@ def assemble(displacement, cells, gradients, hoops, volumes, history, moduli, sl
     return True
 
 
-@kernel
-def element_forces(displacement, nodes, gradients, hoops, volumes, history, moduli, forces):  # type: ignore[no-untyped-def]
-    """Add the nodal forces of one element to `forces` (dofs); False if it is turned inside out."""
+@inlined
+def element_forces(displacement, cells, gradients, hoops, volumes, history, moduli, e, stretch, forces):  # type: ignore[no-untyped-def]
+    """Add the nodal forces of element `e` to `forces` (dofs); False if it is turned inside out. stretch (4, 5): work space."""
     bulk, shear, yield_stress = moduli
-    dilatation, _ = mean_dilatation(displacement, nodes, gradients, hoops, volumes)
+    dilatation, _ = deform(displacement, cells, gradients, hoops, volumes, e, stretch)
     if dilatation <= 0.0:
         return False
     mean_stress, _ = pressure(bulk, dilatation)
     for g in range(4):
-        f = deformation(displacement, nodes, gradients[g], hoops[g])
-        f11, f12, f21, f22, f33 = f
-        in_plane = f11 * f22 - f12 * f21
-        b11, b22, b12, b33 = trial_elastic(f, history[g])
-        b1, b2, c, s = principal(b11, b22, b12)
-        s1, s2, s3, _, _ = radial_return(0.5 * math.log(b1), 0.5 * math.log(b2), 0.5 * math.log(b33), shear, dilatation * yield_stress)
+        f11, f12, f21, f22, f33 = stretch[g, 0], stretch[g, 1], stretch[g, 2], stretch[g, 3], stretch[g, 4]
+        b11, b22, b12, b33 = trial_elastic(stretch, history, e, g)
+        a, h, k = hencky_deviator(b11, b22, b12, b33)
+        ratio, _ = radial_return(a, h, k, shear, dilatation * yield_stress)
+        in_plane, modulus = f11 * f22 - f12 * f21, 2.0 * shear * ratio
         kirchhoff = mean_stress * in_plane * f33
-        rr, zz, rz = s1 * c * c + s2 * s * s + kirchhoff, s1 * s * s + s2 * c * c + kirchhoff, (s1 - s2) * c * s
+        rr, zz, rz = modulus * (a + h) + kirchhoff, modulus * (a - h) + kirchhoff, modulus * k
         # first Piola-Kirchhoff stress times volume
-        share = volumes[g] / in_plane
+        share = volumes[e, g] / in_plane
         p_rr, p_rz = share * (rr * f22 - rz * f12), share * (rz * f11 - rr * f21)
         p_zr, p_zz = share * (rz * f22 - zz * f12), share * (zz * f11 - rz * f21)
-        p_hoop = volumes[g] * (s3 + kirchhoff) / f33
+        p_hoop = volumes[e, g] * (kirchhoff - 2.0 * modulus * a) / f33
         for i in range(4):
-            forces[2 * nodes[i]] += p_rr * gradients[g, i, 0] + p_rz * gradients[g, i, 1] + p_hoop * hoops[g, i]
-            forces[2 * nodes[i] + 1] += p_zr * gradients[g, i, 0] + p_zz * gradients[g, i, 1]
+            node, gr, gz = cells[e, i], gradients[e, g, i, 0], gradients[e, g, i, 1]
+            forces[2 * node] += p_rr * gr + p_rz * gz + p_hoop * hoops[e, g, i]
+            forces[2 * node + 1] += p_zr * gr + p_zz * gz
     return True
 
 
 @kernel
 def assemble_forces(displacement, cells, gradients, hoops, volumes, history, moduli, forces):  # type: ignore[no-untyped-def]
     """The nodal forces of `assemble` without its stiffness, for a third of the time; False if an element is turned inside out."""
+    stretch = np.empty((4, 5))
     forces[:] = 0.0
     for e in range(cells.shape[0]):
-        if not element_forces(displacement, cells[e], gradients[e], hoops[e], volumes[e], history[e], moduli, forces):
+        if not element_forces(displacement, cells, gradients, hoops, volumes, history, moduli, e, stretch, forces):
             return False
     return True
 
@@ -179,38 +227,54 @@ def advance(displacement, cells, gradients, hoops, volumes, history, moduli, new
     (element, Gauss point).
     """
     bulk, shear, yield_stress = moduli
+    stretch = np.empty((4, 5))
     stored, dissipated, worst, worst_e, worst_g = 0.0, 0.0, 0.0, 0, 0
     for e in range(cells.shape[0]):
-        dilatation, undeformed = mean_dilatation(displacement, cells[e], gradients[e], hoops[e], volumes[e])
+        dilatation, undeformed = deform(displacement, cells, gradients, hoops, volumes, e, stretch)
         mean_stress, _ = pressure(bulk, dilatation)
         stored += undeformed * volumetric_energy(bulk, dilatation)
+        limit = dilatation * yield_stress
+        per_limit = 1.0 / (limit * limit)
         for g in range(4):
-            f = deformation(displacement, cells[e], gradients[e, g], hoops[e, g])
-            f11, f12, f21, f22, f33 = f
-            in_plane = f11 * f22 - f12 * f21
-            b11, b22, b12, b33 = trial_elastic(f, history[e, g])
-            b1, b2, c, s = principal(b11, b22, b12)
-            e1, e2, e3 = 0.5 * math.log(b1), 0.5 * math.log(b2), 0.5 * math.log(b33)
-            limit = dilatation * yield_stress
-            s1, s2, s3, ratio, q = radial_return(e1, e2, e3, shear, limit)
-            stored += volumes[e, g] * (s1 * s1 + s2 * s2 + s3 * s3) / (4.0 * shear)
-            strain = 0.0
+            b11, b22, b12, b33 = trial_elastic(stretch, history, e, g)
+            a, h, k = hencky_deviator(b11, b22, b12, b33)
+            ratio, square = radial_return(a, h, k, shear, limit)
+            stored += volumes[e, g] * shear * ratio * ratio * norm_squared(a, h, k)
+            if square * per_limit > worst:
+                worst, worst_e, worst_g = square * per_limit, e, g
+            before, a, h, k = a, ratio * a, ratio * h, ratio * k
+            new_plastic_strain[e, g] = plastic_strain[e, g]
+            for i in range(4):
+                new_history[e, g, i] = history[e, g, i]
             if ratio < 1.0:
-                strain = (q - limit) / (3.0 * shear)
+                strain = (math.sqrt(square) - limit) / (3.0 * shear)
                 dissipated += volumes[e, g] * limit * strain
-            if q / limit > worst:
-                worst, worst_e, worst_g = q / limit, e, g
-            new_plastic_strain[e, g] = plastic_strain[e, g] + strain
-            mean = (e1 + e2 + e3) / 3.0
-            b1, b2, b33 = math.exp(s1 / shear + 2.0 * mean), math.exp(s2 / shear + 2.0 * mean), math.exp(s3 / shear + 2.0 * mean)
-            b11, b22, b12 = b1 * c * c + b2 * s * s, b1 * s * s + b2 * c * c, (b1 - b2) * c * s
-            # Cp^-1 = F^-1 b F^-T
-            new_history[e, g, 0] = (f22 * f22 * b11 - 2.0 * f22 * f12 * b12 + f12 * f12 * b22) / in_plane**2
-            new_history[e, g, 1] = (f21 * f21 * b11 - 2.0 * f21 * f11 * b12 + f11 * f11 * b22) / in_plane**2
-            new_history[e, g, 2] = (-f22 * f21 * b11 + (f22 * f11 + f12 * f21) * b12 - f12 * f11 * b22) / in_plane**2
-            new_history[e, g, 3] = b33 / f33**2
-            stress[e, g, 0] = (s1 * c * c + s2 * s * s) / dilatation + mean_stress
-            stress[e, g, 1] = (s1 * s * s + s2 * c * c) / dilatation + mean_stress
-            stress[e, g, 2] = (s1 - s2) * c * s / dilatation
-            stress[e, g, 3] = s3 / dilatation + mean_stress
-    return stored, dissipated, worst, worst_e, worst_g
+                new_plastic_strain[e, g] += strain
+                flow(stretch, b11 * b22 - b12 * b12, b33, a - before, h, k, e, g, new_history)
+            modulus = 2.0 * shear / dilatation
+            stress[e, g, 0] = modulus * (a + h) + mean_stress
+            stress[e, g, 1] = modulus * (a - h) + mean_stress
+            stress[e, g, 2] = modulus * k
+            stress[e, g, 3] = -2.0 * modulus * a + mean_stress
+    return stored, dissipated, math.sqrt(worst), worst_e, worst_g
+
+
+@inlined
+def flow(stretch, determinant, hoop, da, h, k, e, g, history):  # type: ignore[no-untyped-def]
+    """Put Cp^-1 = F^-1 b F^-T of point `g` of element `e` into `history` after plastic flow.
+
+    determinant: of the in-plane part of the trial b; hoop: its hoop component; da: by how much the flow changed a of its Hencky strain;
+    h, k: deviator in the plane after it.
+    """
+    change, square = math.exp(2.0 * da), 4.0 * (h * h + k * k)
+    mean = math.sqrt(determinant) * change
+    part = sinh_over(square)
+    half, b12, mean = 2.0 * mean * part * h, 2.0 * mean * part * k, mean * math.sqrt(1.0 + square * part * part)
+    b11, b22, b33 = mean + half, mean - half, hoop / (change * change)
+    f11, f12, f21, f22, f33 = stretch[g, 0], stretch[g, 1], stretch[g, 2], stretch[g, 3], stretch[g, 4]
+    over = 1.0 / (f11 * f22 - f12 * f21)
+    f11, f12, f21, f22 = f11 * over, f12 * over, f21 * over, f22 * over
+    history[e, g, 0] = f22 * f22 * b11 - 2.0 * f22 * f12 * b12 + f12 * f12 * b22
+    history[e, g, 1] = f21 * f21 * b11 - 2.0 * f21 * f11 * b12 + f11 * f11 * b22
+    history[e, g, 2] = -f22 * f21 * b11 + (f22 * f11 + f12 * f21) * b12 - f12 * f11 * b22
+    history[e, g, 3] = b33 / (f33 * f33)

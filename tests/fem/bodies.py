@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 from skfem import MeshQuad
 
 from fem.assembly import Discretisation, discretise
-from fem.element import advance, assemble, element
+from fem.element import advance, assemble, element, work_space
 from fem.mesh import FloatArray, Section
 from fem.newton import Moduli
 
@@ -72,9 +72,8 @@ class Material:
     def element(self, displacement: FloatArray, e: int) -> tuple[FloatArray, FloatArray]:
         """Nodal forces (8) and stiffness (8 x 8) of one element."""
         b, force, stiffness = self.body, np.empty(8), np.empty((8, 8))
-        work = np.empty((5, 5)), np.zeros((5, 8)), np.empty((2, 8))
         assert element(
-            displacement, b.cells[e], b.gradients[e], b.hoops[e], b.volumes[e], self.history[e], self.moduli, force, stiffness, *work
+            displacement, b.cells, b.gradients, b.hoops, b.volumes, self.history, self.moduli, e, force, stiffness, *work_space()
         )
         return force, stiffness
 

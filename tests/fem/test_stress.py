@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fem.mesh import FloatArray
 from fem.newton import Moduli
-from fem.stress import principal, radial_return, volumetric_energy
+from fem.stress import artanh_over, artanh_over_slope, hencky_deviator, norm_squared, radial_return, sinh_over, volumetric_energy
 from tests.fem.bodies import ELASTIC, NEARLY_INCOMPRESSIBLE, PLASTIC, Material, displacements, patch, von_mises
 
 BODY = patch()
@@ -104,23 +104,40 @@ def test_release_to_the_turning_point_returns():
     np.testing.assert_allclose(material.plastic_strain, plastic, atol=1e-15)
 
 
-@given(st.floats(0.2, 4.0), st.floats(0.2, 4.0), st.floats(0.0, math.pi))
-def test_principal_axes_rebuild_the_tensor(b1: float, b2: float, angle: float):
+stretches = st.floats(0.2, 4.0)  # squared
+
+
+@given(stretches, stretches, stretches, st.floats(0.0, math.pi))
+def test_hencky_deviator_is_the_logarithm_in_the_principal_axes(b1: float, b2: float, b3: float, angle: float):
     c, s = math.cos(angle), math.sin(angle)
-    b11, b22, b12 = b1 * c * c + b2 * s * s, b1 * s * s + b2 * c * c, (b1 - b2) * c * s
-    large, small, c, s = principal(b11, b22, b12)
-    assert (large, small) == pytest.approx((max(b1, b2), min(b1, b2)), rel=1e-12)  # round-off, worst where both are nearly equal
-    assert c * c + s * s == pytest.approx(1.0, rel=1e-14)
-    rebuilt = (large * c * c + small * s * s, large * s * s + small * c * c, (large - small) * c * s)
-    assert rebuilt == pytest.approx((b11, b22, b12), rel=1e-12, abs=1e-12)
+    a, h, k = hencky_deviator(b1 * c * c + b2 * s * s, b1 * s * s + b2 * c * c, (b1 - b2) * c * s, b3)
+    e1, e2, e3 = (0.5 * math.log(b) for b in (b1, b2, b3))
+    mean, half = (e1 + e2 + e3) / 3.0, 0.5 * (e1 - e2)
+    expected = (0.5 * (e1 + e2) - mean, half * math.cos(2.0 * angle), half * math.sin(2.0 * angle))
+    assert (a, h, k) == pytest.approx(expected, rel=1e-13, abs=1e-14)  # the tensor's own round-off where the eigenvalues differ much
+    squares = sum((e - mean) ** 2 for e in (e1, e2, e3))
+    assert norm_squared(a, h, k) == pytest.approx(squares, rel=1e-12, abs=1e-28)
+
+
+@pytest.mark.parametrize("x", [1e-9, 1e-3, 0.03, 0.0999999, 0.1000001, 0.3, 0.3162277, 0.3162279, 0.9])
+def test_series_meet_the_closed_forms(x: float):
+    """artanh(x)/x, its derivative with x^2 and sinh(x)/x, on both sides of where the series end, against sums of many terms."""
+    square = x * x
+    value = sum(square**n / (2 * n + 1) for n in range(300))
+    slope = sum(n * square ** (n - 1) / (2 * n + 1) for n in range(1, 300))
+    assert artanh_over(square) == pytest.approx(value, rel=4e-16)
+    # beyond the series the difference of two numbers near 1 that is .007 at least
+    assert artanh_over_slope(square, artanh_over(square)) == pytest.approx(slope, rel=1e-15 if x < 0.1 else 5e-14)
+    assert sinh_over(square) == pytest.approx(math.fsum(square**n / math.factorial(2 * n + 1) for n in range(12)), rel=4e-16)
 
 
 @given(*[st.floats(-0.5, 0.5)] * 3)
-def test_return_is_radial_and_traceless(e1: float, e2: float, e3: float):
-    s1, s2, s3, ratio, q = radial_return(e1, e2, e3, 2.0, 0.2)
-    assert s1 + s2 + s3 == pytest.approx(0.0, abs=1e-15)
+def test_return_is_radial(a: float, h: float, k: float):
+    ratio, square = radial_return(a, h, k, 2.0, 0.2)
+    trial = 2.0 * 2.0 * math.sqrt(1.5 * ((a + h) ** 2 + (a - h) ** 2 + 2.0 * k * k + 4.0 * a * a))
+    assert square == pytest.approx(trial**2, rel=1e-13, abs=1e-300)
+    assert ratio * trial == pytest.approx(min(trial, 0.2), rel=1e-13, abs=1e-300)
     assert 0.0 < ratio <= 1.0
-    assert math.sqrt(1.5 * (s1 * s1 + s2 * s2 + s3 * s3)) == pytest.approx(min(q, 0.2), rel=1e-13, abs=1e-300)
 
 
 @given(st.floats(0.3, 3.0))
