@@ -7,6 +7,8 @@ flat band one step down and one step left is a constant stride and rows can be w
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from contactlaws.compiled import kernel
@@ -21,8 +23,8 @@ def pad(half: int) -> int:
 
 
 def band_shape(size: int, half: int) -> tuple[int, int]:
-    """Shape of the band of a `size` x `size` matrix: whole groups of columns, and the rows that the last of them reaches."""
-    return -(-size // COLUMNS) * COLUMNS + half, 2 * pad(half) + 1
+    """Shape of the band of a `size` x `size` matrix: whole groups of columns, and the pairs of rows that the last of them reaches."""
+    return -(-size // COLUMNS) * COLUMNS + half + half % 2, 2 * pad(half) + 1
 
 
 @kernel
@@ -45,12 +47,13 @@ def constrain(band, half, fixed, values, rhs):  # type: ignore[no-untyped-def]
 def _factorise(band, size, half):  # type: ignore[no-untyped-def]
     """Overwrite the flat band with its factors: upper triangle, and below it the unit lower one; False if a pivot vanishes.
 
-    For each group of four columns: eliminate within their four rows, then take all four off each row below in one pass. Longer than a
-    step, because the four multipliers are what saves the memory traffic.
+    For each group of four columns: eliminate within their four rows, then take all four off the rows below, two in one pass. Longer than a
+    step, because the eight multipliers are what saves the memory traffic.
     """
     middle = half + COLUMNS - 1
     stride = 2 * middle
-    above = np.empty((COLUMNS, half))
+    width = -(-half // COLUMNS) * COLUMNS  # whole vector registers; the columns beyond the band's own are zeros
+    above = np.zeros((COLUMNS, width))
     for k in range(0, size, COLUMNS):
         for p in range(COLUMNS):
             if k + p >= size:
@@ -70,38 +73,72 @@ def _factorise(band, size, half):  # type: ignore[no-untyped-def]
         for j in range(half):
             above[0, j], above[1, j], above[2, j], above[3, j] = band[a + 4 + j], band[b + 4 + j], band[c + 4 + j], band[d + 4 + j]
         u0, u1, u2, u3 = above[0], above[1], above[2], above[3]
-        for i in range(k + COLUMNS, k + COLUMNS + half):
-            row = i * stride + middle + k
+        for i in range(k + COLUMNS, k + COLUMNS + half, 2):
+            row, next_row = i * stride + middle + k, (i + 1) * stride + middle + k
             f0 = band[row] * a0
             f1 = (band[row + 1] - f0 * a1) * b1
             f2 = (band[row + 2] - f0 * a2 - f1 * b2) * c2
             f3 = (band[row + 3] - f0 * a3 - f1 * b3 - f2 * c3) * d3
             band[row], band[row + 1], band[row + 2], band[row + 3] = f0, f1, f2, f3
-            rest = band[row + COLUMNS : row + COLUMNS + half]
-            for j in range(half):
+            g0, g1, g2, g3 = 0.0, 0.0, 0.0, 0.0
+            if i + 1 < k + COLUMNS + half:
+                g0 = band[next_row] * a0
+                g1 = (band[next_row + 1] - g0 * a1) * b1
+                g2 = (band[next_row + 2] - g0 * a2 - g1 * b2) * c2
+                g3 = (band[next_row + 3] - g0 * a3 - g1 * b3 - g2 * c3) * d3
+                band[next_row], band[next_row + 1], band[next_row + 2], band[next_row + 3] = g0, g1, g2, g3
+            rest, next_rest = band[row + COLUMNS : row + COLUMNS + width], band[next_row + COLUMNS : next_row + COLUMNS + width]
+            for j in range(width):
                 rest[j] -= f0 * u0[j] + f1 * u1[j] + f2 * u2[j] + f3 * u3[j]
+                next_rest[j] -= g0 * u0[j] + g1 * u1[j] + g2 * u2[j] + g3 * u3[j]
     return True
 
 
+@partial(kernel, fastmath=REORDERED, inline=True)
+def _products(row0, row1, row2, row3, known):  # type: ignore[no-untyped-def]
+    """Scalar products of four rows with `known`."""
+    sum0, sum1, sum2, sum3 = 0.0, 0.0, 0.0, 0.0
+    for j in range(known.size):
+        sum0 += row0[j] * known[j]
+        sum1 += row1[j] * known[j]
+        sum2 += row2[j] * known[j]
+        sum3 += row3[j] * known[j]
+    return sum0, sum1, sum2, sum3
+
+
 def _solve(band, size, half, rhs):  # type: ignore[no-untyped-def]
-    """Replace each row of `rhs` (right-hand sides, size) by its solution, from the factors in the flat band."""
+    """Replace each row of `rhs` (right-hand sides, size) by its solution, from the factors in the flat band.
+
+    Four rows at a time: what is known already is taken off all four at once, so that no row waits for the sum of the one before.
+    """
     middle = half + COLUMNS - 1
+    stride, whole = 2 * middle, -(-size // COLUMNS) * COLUMNS
+    x = np.zeros(whole)
     for c in range(rhs.shape[0]):
-        x = rhs[c]
-        for i in range(size):
-            low = max(0, i - middle)
-            row, known = band[2 * middle * i + middle + low : 2 * middle * i + middle + i], x[low:i]
-            total = 0.0
-            for j in range(known.size):
-                total += row[j] * known[j]
-            x[i] -= total
-        for i in range(size - 1, -1, -1):
-            high = min(size, i + middle + 1)
-            row, known = band[2 * middle * i + middle + i : 2 * middle * i + middle + high], x[i:high]
-            total = 0.0
-            for j in range(1, known.size):
-                total += row[j] * known[j]
-            x[i] = (x[i] - total) / row[0]
+        x[:size] = rhs[c]
+        for k in range(0, whole, COLUMNS):
+            p = k * stride + middle
+            q, r, s = p + stride, p + 2 * stride, p + 3 * stride
+            low = max(0, k - half)
+            x0, x1, x2, x3 = _products(band[p + low : p + k], band[q + low : q + k], band[r + low : r + k], band[s + low : s + k], x[low:k])
+            x0 = x[k] - x0
+            x1 = x[k + 1] - x1 - band[q + k] * x0
+            x2 = x[k + 2] - x2 - band[r + k] * x0 - band[r + k + 1] * x1
+            x3 = x[k + 3] - x3 - band[s + k] * x0 - band[s + k + 1] * x1 - band[s + k + 2] * x2
+            x[k], x[k + 1], x[k + 2], x[k + 3] = x0, x1, x2, x3
+        for k in range(whole - COLUMNS, -1, -COLUMNS):
+            p = k * stride + middle
+            q, r, s = p + stride, p + 2 * stride, p + 3 * stride
+            n, high = k + COLUMNS, min(whole, k + COLUMNS + half)
+            x0, x1, x2, x3 = _products(
+                band[p + n : p + high], band[q + n : q + high], band[r + n : r + high], band[s + n : s + high], x[n:high]
+            )
+            x3 = (x[k + 3] - x3) / band[s + k + 3]
+            x2 = (x[k + 2] - x2 - band[r + k + 3] * x3) / band[r + k + 2]
+            x1 = (x[k + 1] - x1 - band[q + k + 2] * x2 - band[q + k + 3] * x3) / band[q + k + 1]
+            x0 = (x[k] - x0 - band[p + k + 1] * x1 - band[p + k + 2] * x2 - band[p + k + 3] * x3) / band[p + k]
+            x[k], x[k + 1], x[k + 2], x[k + 3] = x0, x1, x2, x3
+        rhs[c] = x[:size]
 
 
 def _solve_many(band, size, half, rhs):  # type: ignore[no-untyped-def]
