@@ -76,7 +76,7 @@ class Constants(NamedTuple):
     recovery_turn: float
     dip: float
     dip_upset: float
-    # how the elastic part fades: exp(-M ln(1/phi)^q), M with D^2, q with u (its own turn); a swelling by upsetting
+    # how the elastic part fades: phi exp(-M ln(1/phi)^q), M with D^2, q with u (its own turn); a swelling by upsetting
     fading: float
     fading_depth: float
     fading_depth_nu: float

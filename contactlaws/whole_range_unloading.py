@@ -43,7 +43,9 @@ def recovered_depth(law, depth, load, phi, area):  # type: ignore[no-untyped-def
     plastic = min(depth, plastic_recovery(law, depth, load, phi, area))
     power = law.fading_power + share(depth, law.fading_turn, 4) * law.fading_power_upset
     fading = max(LEAST_FADING, law.fading + law.fading_depth * depth * depth)
-    left = math.exp(-fading * (-math.log(phi)) ** power)
+    left = phi * math.exp(
+        -fading * (-math.log(phi)) ** power
+    )  # phi: the plastic part falls no faster, so it is what is left of a stiff body
     left *= 1.0 + share(depth, law.recovery_turn, 4) * law.swell * (1.0 - phi) * (law.swell_end - (1.0 - phi))
     return min(depth, plastic + (depth - plastic) * left)
 
