@@ -55,6 +55,7 @@ verify: $(READY) ## theory, convergence, tolerances, extremes, cycles, pairs, th
 	@$(BIN)/python -m cases.verification.continuum
 	@echo "verify: extreme bodies, partial cycles, unlike pairs, the atlas on other materials; about 20 minutes more"
 	@$(BIN)/python -m cases.verification.extremes --jobs $(JOBS)
+	@$(BIN)/python -m cases.verification.similarity
 	@$(BIN)/python -m cases.verification.cycles
 	@$(BIN)/python -m cases.verification.pairs
 	@$(BIN)/python -m calibration.atlas_check results/atlas_check --compute --jobs $(JOBS)
