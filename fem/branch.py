@@ -86,13 +86,14 @@ def from_states(body: Discretisation, states: Sequence[State]) -> Branch:
     share = (overlap - overlap[-1]) / recovered
     places, radii = np.array([contact_edge(body, s) for s in states]).T
     landed = float(_surface_radius(body, states[0])[int(places[0])])
-    straight = PchipInterpolator(share[::-1], (force[::-1] / force[0]) ** HERTZ)(SHARES)
+    rows = np.stack([(force / force[0]) ** HERTZ, dissipated - dissipated[0]], axis=1)
+    straight, since = PchipInterpolator(share[::-1], rows[::-1])(SHARES).T
     return Branch(
         start=float(overlap[0]),
         recovered=recovered,
         raw_force=float(force[0]),
         shape=straight ** (1.0 / HERTZ),
-        dissipated=np.asarray(PchipInterpolator(share[::-1], dissipated[::-1] - dissipated[0])(SHARES)),
+        dissipated=since,
         retreat=_retreat(share, places, radii, landed),
     )
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -107,8 +106,8 @@ def compose(
     scale = Scales(radius, material.stress_unit)
     last = min(largest, *(w.landing_overlap[-1] if w.stopped else largest for w in (fine, coarse)))
     first = first_row(fine, coarse, divisions)
-    read_fine = partial(readout.loading, fine, skip=rows_with(fine, divisions // 2 + 1))
-    read_coarse = partial(readout.loading, coarse, skip=rows_with(coarse, divisions // 4 + 1))
+    read_fine = readout.reader(fine, rows_with(fine, divisions // 2 + 1))
+    read_coarse = readout.reader(coarse, rows_with(coarse, divisions // 4 + 1))
 
     def read(overlap: FloatArray) -> readout.Loading:
         return readout.extrapolated(read_fine(overlap), read_coarse(overlap))

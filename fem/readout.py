@@ -48,14 +48,22 @@ class Unloading(NamedTuple):
 
 def loading(walk: Walk, overlap: FloatArray, skip: int) -> Loading:
     """Smooth loading of one mesh at `overlap`, from all landings but the first `skip` (too few elements in contact)."""
+    return reader(walk, skip)(overlap)
+
+
+def reader(walk: Walk, skip: int) -> Callable[[FloatArray], Loading]:
+    """`loading` at any overlap, its splines made once."""
     rows = slice(skip, None)
-    x = np.log(walk.landing_overlap[rows])
-    at = np.log(overlap)
-    work = CubicSpline(x, np.log(walk.landing_stored[rows] + walk.landing_dissipated[rows]))
-    radius = CubicSpline(x, np.log(walk.landing_radius[rows]))
-    energy = np.exp(work(at))
-    share = PchipInterpolator(x, walk.landing_dissipated[rows] / (walk.landing_stored[rows] + walk.landing_dissipated[rows]))(at)
-    return Loading(energy / overlap * work(at, 1), np.exp(radius(at)), energy * (1.0 - share), energy * share)
+    x, total = np.log(walk.landing_overlap[rows]), walk.landing_stored[rows] + walk.landing_dissipated[rows]
+    work, radius = CubicSpline(x, np.log(total)), CubicSpline(x, np.log(walk.landing_radius[rows]))
+    dissipated = PchipInterpolator(x, walk.landing_dissipated[rows] / total)
+
+    def read(overlap: FloatArray) -> Loading:
+        at = np.log(overlap)
+        energy, share = np.exp(work(at)), dissipated(at)
+        return Loading(energy / overlap * work(at, 1), np.exp(radius(at)), energy * (1.0 - share), energy * share)
+
+    return read
 
 
 def from_zero(read: Callable[[FloatArray], Loading], first: float, overlap: FloatArray) -> Loading:

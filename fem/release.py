@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contactlaws.compiled import kernel
 from fem.mesh import FloatArray, IntArray
 from fem.newton import PENETRATION, RESIDUAL, BoolArray, Equilibrium, Guess, NoEquilibrium, State
 
@@ -30,15 +31,43 @@ def complementary(compliance: FloatArray, gaps: FloatArray, resting: BoolArray) 
 
     Raises `NoEquilibrium` if the nodes that rest don't settle.
     """
-    slack = 1e-13 * float(np.abs(gaps).max(initial=1e-300))
+    force = np.empty(gaps.size)
+    if not _settle(compliance, gaps, resting.copy(), force):
+        raise NoEquilibrium("the contact does not settle")
+    return force
+
+
+@kernel
+def _settle(compliance, gaps, resting, force):  # type: ignore[no-untyped-def]
+    """Find the nodes that rest, from `resting` on, and their forces; False if they do not settle. Compiled: small, but often."""
+    largest = 1e-300
+    for gap in gaps:
+        largest = max(largest, abs(gap))
+    slack = 1e-13 * largest
     for _ in range(3 * gaps.size + 10):
-        force = np.zeros(gaps.size)
-        force[resting] = np.linalg.solve(compliance[np.ix_(resting, resting)], -gaps[resting])
-        wanted = np.where(resting, force > 0.0, gaps + compliance @ force < -slack)
-        if (wanted == resting).all():
-            return force
-        resting = wanted
-    raise NoEquilibrium("the contact does not settle")
+        nodes = np.flatnonzero(resting)
+        matrix, right = np.empty((nodes.size, nodes.size)), np.empty(nodes.size)
+        for i in range(nodes.size):
+            right[i] = -gaps[nodes[i]]
+            for j in range(nodes.size):
+                matrix[i, j] = compliance[nodes[i], nodes[j]]
+        force[:] = 0.0
+        if nodes.size > 0:
+            force[nodes] = np.linalg.solve(matrix, right)
+        settled = True
+        for i in range(gaps.size):
+            wanted = force[i] > 0.0
+            if not resting[i]:
+                left = gaps[i]
+                for j in nodes:
+                    left += compliance[i, j] * force[j]
+                wanted = left < -slack
+            # forces and gaps are of the same guess: which nodes rest changes for all at once
+            settled = settled and wanted == resting[i]
+            resting[i] = wanted
+        if settled:
+            return True
+    return False
 
 
 class _Iterate(NamedTuple):
@@ -57,18 +86,33 @@ class Secants:
 
     def __init__(self, dofs: IntArray, size: int):
         self.dofs = dofs
-        self.forces: FloatArray = np.zeros((0, size))  # (pairs, all dofs): unit vectors y
-        self.missed: FloatArray = np.zeros((0, size))  # s - h for them
+        self._pairs = 0  # taken over so far; the last ones are kept, the newest in the place of the oldest
+        self._forces, self._missed = np.empty((MEMORY, size)), np.empty((MEMORY, size))
+        self._products = np.empty((MEMORY, MEMORY))
         self.inverse: FloatArray = np.zeros((0, 0))  # of the products of `forces`
+
+    @property
+    def forces(self) -> FloatArray:
+        """(pairs, all dofs): unit vectors y."""
+        return self._forces[: self._pairs]
+
+    @property
+    def missed(self) -> FloatArray:
+        """(pairs, all dofs): s - h for them."""
+        return self._missed[: self._pairs]
 
     def add(self, moved: FloatArray, forces: FloatArray, by_factors: FloatArray) -> None:
         """Take over one pair; the oldest is forgotten."""
         size = math.sqrt(float(forces @ forces))
         if not size > 0.0:
             return
-        self.forces = np.concatenate([self.forces[1 - MEMORY :], forces[None, :] / size])
-        self.missed = np.concatenate([self.missed[1 - MEMORY :], (moved - by_factors)[None, :] / size])
-        self.inverse = np.asarray(np.linalg.inv(self.forces @ self.forces.T + ALIKE * np.eye(self.forces.shape[0])))
+        place, self._pairs = self._pairs % MEMORY, self._pairs + 1
+        np.divide(forces, size, out=self._forces[place])
+        np.divide(moved - by_factors, size, out=self._missed[place])
+        known = self.forces.shape[0]
+        self._products[place, :known] = self._products[:known, place] = self.forces @ self._forces[place]
+        self._products[place, place] += ALIKE
+        self.inverse = np.asarray(np.linalg.inv(self._products[:known, :known]))
 
     def corrected(self, forces: FloatArray, by_factors: FloatArray) -> FloatArray:
         """The displacement for `forces`, of which the factors alone say `by_factors`."""
@@ -115,7 +159,7 @@ class Release:
             total = float(solver.forces[solver.midplane_dofs].sum())
             balance = free.copy()
             balance[self.dofs] += force
-            residual = float(np.linalg.norm(balance))
+            residual = math.sqrt(float(balance @ balance))
             if iteration > 0 and residual < max(tolerance * max(abs(total), largest_force), solver.round_off):
                 self.tired = iteration > SLOW
                 return self._accepted(start, displacement, overlap, force > 0.0, total)
