@@ -98,7 +98,10 @@ def loading_ratio(law, depth, limit):  # type: ignore[no-untyped-def]
     if depth <= limit:
         return 1.0
     behind = law.flow * (math.sqrt(depth / limit) - 1.0) * math.exp(-depth * (law.flow_decay + law.flow_decay_2 * depth))
-    return (1.0 + behind**law.flow_sharpness) ** (-1.0 / law.flow_sharpness)
+    sharpness = law.flow_sharpness
+    if behind > 1.0:  # the same formula, which does not overflow
+        return (1.0 + behind**-sharpness) ** (-1.0 / sharpness) / behind
+    return (1.0 + behind**sharpness) ** (-1.0 / sharpness)
 
 
 @kernel

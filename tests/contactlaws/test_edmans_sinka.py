@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from contactlaws.edmans_sinka import FIRST_YIELD, first_yield, loading_force, loading_work, recovered_depth
 from contactlaws.elastic import HertzFiniteSize
 from contactlaws.material import Material
-from contactlaws.path import scan
+from contactlaws.path import scan, trace
 from tests.contactlaws.samples import HARD, SOFT, edmans_sinka
 
 
@@ -90,3 +90,12 @@ def test_separates_where_eq_3_says():
     force = scan(law, [top, separation * (1 + 1e-9), separation]).force
     assert force[1] > 0.0
     assert force[2] == pytest.approx(0.0, abs=1e-12 * force[0])
+
+
+def test_a_very_sharp_transition_does_not_overflow():
+    """Elastic up to where the plastic force is the smaller one, as the sharpness grows; fits may go there."""
+    smooth, sharp = (edmans_sinka(Material(100.0, 0.3, 1.0))._replace(flow_sharpness=value) for value in (200.0, 1e8))
+    overlaps = smooth.radius * np.geomspace(1e-3, 0.5, 40)
+    one, other = trace(smooth, overlaps).force, trace(sharp, overlaps).force
+    assert (other > 0.0).all()
+    np.testing.assert_allclose(one, other, rtol=1.1 * (2.0 ** (1.0 / 200.0) - 1.0))  # what the smooth minimum lacks where both are equal
