@@ -45,8 +45,9 @@ study: $(READY) ## Edmans & Sinka 2020 done again: 560 unloadings and 280 of uns
 	@$(BIN)/python -m cases.edmans_sinka_2020 results/edmans_sinka_2020 --unseen results/unseen --out results/study
 
 recalibrate: study ## what is shipped, made anew from curves: atlas, constants of the whole-range law, scores of all laws
+	@$(BIN)/fe2dem run cases/edmans_sinka_2020/small.toml --jobs $(JOBS) --out results/small
 	@$(BIN)/python -m calibration.atlas_build results/atlas results/edmans_sinka_2020/curves --compute --jobs $(JOBS)
-	@$(BIN)/python -m calibration.whole_range_fit results/edmans_sinka_2020/curves results/atlas --unseen results/unseen/curves --evaluations 90
+	@$(BIN)/python -m calibration.whole_range_fit results/edmans_sinka_2020/curves results/atlas results/small/curves --unseen results/unseen/curves --evaluations 90
 	@$(BIN)/fe2dem tournament results/edmans_sinka_2020 --out results/tournament
 	@$(BIN)/fe2dem tradeoff law results/tournament --save-scores calibration/data/tradeoff_law.parquet
 

@@ -71,7 +71,7 @@ def _values(constants: dict[str, float], material: Material, radius: float) -> t
 
 @kernel
 def stretch(depth):  # type: ignore[no-untyped-def]
-    """Beyond `DEEPEST` the body is a bar of constant volume: force and area grow by this factor, and the recovery falls by it."""
+    """Beyond `DEEPEST` force and area grow as those of a bar of constant volume, by this factor; the recovery falls by it."""
     return (1.0 - DEEPEST) / (1.0 - depth) if depth > DEEPEST else 1.0
 
 
@@ -102,7 +102,9 @@ def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped
         load, recovered = state[1], state[2]
         at = min(largest, DEEPEST)
         terms = shape_terms(law, at, load / (stretch(largest) * elastic_load(law, at)))
-    s = min(1.0, 1.0 - (largest - depth) / recovered)
+    s = 1.0 - (largest - depth) / recovered
+    if s > 1.0:  # round-off; an overlap that is not a number stays one
+        s = 1.0
     after = (state[0], load, recovered)
     if s <= 0.0:
         return 0.0, after

@@ -1,6 +1,6 @@
 """Loading branch of the whole-range law: force, contact area and work. `law` is the record, D = depth the overlap over the radius.
 
-Plastic limit P: from the indentation of a half-space (similarity: p = 2.84 Y on a^2 = 2.86 R d, f = 8.12 D) at D = 0 to the upsetting of
+Plastic limit P: from the indentation of a half-space (similarity: p = 3.01 Y on a^2 = 2.94 R d, f = 8.85 D) at D = 0 to the upsetting of
 the whole body (a bar of equal volume at yield, 2/(3 (1 - D))) at D = 1, one ratio of polynomials of sqrt(D) and D in between.
 Force: with s = f_el/P and z what s exceeds its value at first yield by, f_el/f = 1 + z^2 (z + a)/(z^2 + (a + b) z + c): exactly elastic
 before yield, the same slope there, towards P far beyond. The bend a, the lag b and the onset c go from indentation to upsetting.
@@ -16,13 +16,12 @@ import numpy as np
 
 from contactlaws.compiled import kernel
 
-#: similarity regime of the fully plastic indentation by a sphere: mean pressure over Y, a^2/(R d), and their product
-PRESSURE, AREA = 2.84, 2.86
+#: similarity regime of the fully plastic indentation by a sphere: mean pressure over Y, a^2/(R d), and their product; what
+#: `cases.verification.similarity` extrapolates to D = 0 (Mesarovic & Fleck 1999 and others: about 3 and 2.9)
+PRESSURE, AREA = 3.01, 2.94
 INDENTATION = PRESSURE * AREA
 #: force over pi R^2 Y of a bar of the sphere's volume at yield, times 1 - D
 BAR = 2.0 / 3.0
-#: the onset stays above, so that the slope is continuous at yield
-LEAST_ONSET = 0.001
 #: the power of the growing area stays above, so that it does not jump at yield
 LEAST_GROWTH = 0.1
 #: for integrals of the loading branch: 12 panels of 8 points leave less than 1e-12 of the work
@@ -70,7 +69,7 @@ def elastic_slope(law, depth):  # type: ignore[no-untyped-def]
 
 @_inlined
 def limit_parts(law, depth, t):  # type: ignore[no-untyped-def]
-    """P (1 - D)/(8.12 D) as dividend and divisor, t = sqrt(D)."""
+    """P (1 - D)/(8.85 D) as dividend and divisor, t = sqrt(D)."""
     over = 1.0 + law.limit_over_1 * t + depth * (law.limit_over_2 + depth * law.limit_over_3)
     return over, 1.0 + law.limit_under_1 * t + depth * (law.limit_under_2 + depth * law.limit_under_3)
 
@@ -95,11 +94,11 @@ def loading_load(law, depth):  # type: ignore[no-untyped-def]
     power = depth * depth * law.turn_2
     power *= power
     upset = power / (1.0 + power)
-    lag = law.lag + upset * (law.lag_upset + law.lag_upset_depth * depth)
-    onset = max(LEAST_ONSET, law.onset + upset * upset * law.onset_upset_depth * depth)
+    lag = law.lag + law.lag_root * t + upset * (law.lag_upset + law.lag_upset_depth * depth)
+    early = 1.0 + law.onset_upset_depth * upset * upset * depth  # the onset is divided by it: it stays positive
     bend = law.bend * (1.0 - upset)
-    above = z * (z + bend + lag) + onset
-    return elastic * above / (above + z * z * (z + bend))
+    above = early * z * (z + bend + lag) + law.onset
+    return elastic * above / (above + early * z * z * (z + bend))
 
 
 @kernel

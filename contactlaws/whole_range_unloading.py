@@ -17,8 +17,8 @@ from contactlaws.whole_range_loading import elastic_area, share
 
 #: the exponent of the rest of the shape stays above: a smaller one would begin with an infinite slope
 LEAST_ROUND = 1.0
-#: the power by which the elastic part of the recovery fades stays above
-LEAST_FADING = 0.1
+#: the factor by which the elastic part of the recovery fades stays above, and the power: below 1/2, it would begin with an infinite slope
+LEAST_FADING, LEAST_POWER = 0.1, 0.3
 #: for the work of the shape, in v with s = v^3: leaves less than 1e-9 of it
 _NODES, _SHARES = np.polynomial.legendre.leggauss(16)
 
@@ -41,11 +41,11 @@ def recovered_depth(law, depth, load, phi, area):  # type: ignore[no-untyped-def
     if phi >= 1.0:
         return depth
     plastic = min(depth, plastic_recovery(law, depth, load, phi, area))
-    power = law.fading_power + share(depth, law.fading_turn, 4) * law.fading_power_upset
+    power = max(LEAST_POWER, law.fading_power + share(depth, law.fading_turn, 4) * law.fading_power_upset)
     fading = max(LEAST_FADING, law.fading + law.fading_depth * depth * depth)
-    left = phi * math.exp(
-        -fading * (-math.log(phi)) ** power
-    )  # phi: the plastic part falls no faster, so it is what is left of a stiff body
+    # phi: the plastic part falls no faster, so it is what is left of a stiff body
+    left = phi * math.exp(-fading * (-math.log(phi)) ** power)
+    # by upsetting more is left where phi is large, and less than the plastic part where it is small
     left *= 1.0 + share(depth, law.recovery_turn, 4) * law.swell * (1.0 - phi) * (law.swell_end - (1.0 - phi))
     return min(depth, plastic + (depth - plastic) * left)
 

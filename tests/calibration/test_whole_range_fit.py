@@ -11,9 +11,10 @@ from calibration.whole_range_data import read_folder, targets
 from calibration.whole_range_errors import errors
 from calibration.whole_range_fit import COMPACT_FREE, ELASTIC, YIELD, elastic_constants, fit, guards, yield_constants
 from contactlaws.material import Material
-from contactlaws.whole_range import whole_range
+from contactlaws.whole_range import unloading, whole_range
 from contactlaws.whole_range_constants import COMMAND, COMPACT, CURVES, WHOLE
-from contactlaws.whole_range_record import Constants
+from contactlaws.whole_range_record import Constants, WholeRange, coefficients
+from contactlaws.whole_range_unloading import shape
 from tests.contactlaws.samples import curve_of
 
 DEPTHS = (0.02, 0.1, 0.2, 0.5, 1.0)
@@ -82,3 +83,20 @@ def test_materials_that_no_fit_has_seen():
         assert abs(found[name]).max() < bound, name
         assert np.median(abs(found[name])) < 0.01, name  # what it was meant to have at the median: .6 to 1.2 %
     assert np.percentile(abs(found["shape"]), 90) < 0.01  # of the largest force: meant for all, nine tenths of the grid keep it
+
+
+@pytest.mark.parametrize("constants", [WHOLE, COMPACT], ids=["whole", "compact"])
+def test_every_constant_matters(constants: dict[str, float]):
+    """One that no quantity of any material follows would be none."""
+    states = [(modulus, nu, depth) for modulus in (1.0, 5.0, 100.0, 1e4) for nu in (0.0, 0.3) for depth in (0.003, 0.1, 0.3, 0.5)]
+
+    def outcome(values: dict[str, float]) -> list[float]:
+        laws = [WholeRange(*coefficients(Constants(**values), 1.0, modulus, nu, 1.0)) for modulus, nu, _ in states]
+        found = [unloading(law, depth) for law, (_, _, depth) in zip(laws, states, strict=True)]
+        return [value for state in found for value in (*state[:4], shape(state[4], 0.5))]
+
+    free = COMPACT_FREE if constants is COMPACT else Constants._fields
+    before = outcome(constants)
+    for name in free:
+        after = outcome(constants | {name: 1.1 * constants[name]})
+        assert max(abs(a / b - 1.0) for a, b in zip(after, before, strict=True)) > 1e-5, name

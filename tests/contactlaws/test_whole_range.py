@@ -15,7 +15,7 @@ from contactlaws.elastic import HertzFiniteSize
 from contactlaws.errors import InputError
 from contactlaws.material import Material
 from contactlaws.path import scan, trace
-from contactlaws.whole_range import END, unloading, whole_range, whole_range_compact
+from contactlaws.whole_range import DEEPEST, END, unloading, whole_range, whole_range_compact, whole_range_force
 from contactlaws.whole_range_loading import AREA, BAR, INDENTATION, PRESSURE, elastic_area, elastic_load, loading_load, plastic_limit
 from contactlaws.whole_range_unloading import shape, shape_slope, shape_terms, shape_work
 
@@ -199,3 +199,35 @@ def test_elastic_parts_are_what_they_say():
     law = body(whole_range, 5.0)
     assert loading_load(law, 0.5 * law.yield_depth) == elastic_load(law, 0.5 * law.yield_depth)
     assert elastic_area(law, 1e-10) == pytest.approx(1e-10, rel=1e-4)
+
+
+@SLOW
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.15, 0.3, 0.45, 0.4999])
+def test_the_loading_has_no_corner(poissons_ratio: float):
+    """Of the whole law (the compact one has no constant for the onset): beyond yield d ln F/d ln D changes by little from one overlap to one half a percent deeper, up to where the formulas end."""
+    for modulus in (1.0, 1.5, 2.0, 2.5, 3.2, 5.0, 10.0, 50.0, 1e3, 1e5):
+        law = body(whole_range, modulus, poissons_ratio)
+        depths = np.geomspace(1.02 * law.yield_depth, DEEPEST, round(math.log(DEEPEST / (1.02 * law.yield_depth)) / 0.005))
+        if depths.size < 3:
+            continue
+        slope = np.diff(np.log(trace(law, depths).force)) / np.diff(np.log(depths))
+        # elastic to plastic, 1.5 to .5, takes more than a tenth of the overlap in the sharpest curves of finite elements (E/Y 2 to 5)
+        assert abs(np.diff(slope)).max() < 0.1, modulus
+
+
+@pytest.mark.parametrize("largest", [0.0, 0.05, 0.4])
+def test_an_overlap_that_is_not_a_number_gives_no_force(largest: float):
+    """A diverged simulation must not go on unnoticed."""
+    law = body(whole_range, 50.0)
+    assert math.isnan(whole_range_force(law, math.nan, 0.0, 0.0, (largest, 0.0, 0.0))[0])
+
+
+@MAKERS
+def test_beyond_the_formulas_force_and_area_grow_as_those_of_a_bar(make: Any):
+    """Continuous where the formulas end, and with 1/(1 - D) from there on."""
+    law = body(make, 100.0)
+    found = trace(law, [DEEPEST * (1.0 - 1e-9), DEEPEST * (1.0 + 1e-9), 0.8, 0.95])
+    assert found.force[1] == pytest.approx(found.force[0], rel=1e-7)  # slopes of a few times the force, over 1e-9
+    assert found.contact_radius[1] == pytest.approx(found.contact_radius[0], rel=1e-7)
+    np.testing.assert_allclose(found.force[2:] * [0.2, 0.05], found.force[1] * (1.0 - DEEPEST), rtol=1e-8)
+    np.testing.assert_allclose(found.contact_radius[2:] ** 2 * [0.2, 0.05], found.contact_radius[1] ** 2 * (1.0 - DEEPEST), rtol=1e-8)
