@@ -204,7 +204,10 @@ def test_elastic_parts_are_what_they_say():
 @SLOW
 @pytest.mark.parametrize("poissons_ratio", [0.0, 0.15, 0.3, 0.45, 0.4999])
 def test_the_loading_has_no_corner(poissons_ratio: float):
-    """Of the whole law (the compact one has no constant for the onset): beyond yield d ln F/d ln D changes by little from one overlap to one half a percent deeper, up to where the formulas end."""
+    """Beyond yield d ln F/d ln D changes by little from one overlap to one half a percent deeper, up to where the formulas end.
+
+    Of the whole law only: the compact one has no constant for the onset.
+    """
     for modulus in (1.0, 1.5, 2.0, 2.5, 3.2, 5.0, 10.0, 50.0, 1e3, 1e5):
         law = body(whole_range, modulus, poissons_ratio)
         depths = np.geomspace(1.02 * law.yield_depth, DEEPEST, round(math.log(DEEPEST / (1.02 * law.yield_depth)) / 0.005))
