@@ -163,7 +163,7 @@ class Release:
             if iteration > 0 and residual < max(tolerance * max(abs(total), largest_force), solver.round_off):
                 self.tired = iteration > SLOW
                 return self._accepted(start, displacement, overlap, force > 0.0, total)
-            if iteration > 1 and not residual < CONTRACTION * last:
+            if not math.isfinite(residual) or (iteration > 1 and not residual < CONTRACTION * last):
                 raise NoEquilibrium("the tangent is too old")
             last = residual
             by_factors = free.copy()
@@ -183,7 +183,10 @@ class Release:
         """Forces on the resting nodes that close `gaps`, which the body would have without them, and the displacement they take off."""
         with self.solver.statistics.timed("contact"):
             units = secants.of_units()
-            force = complementary(self.compliance + (units @ secants.missed[:, self.dofs]).T, gaps, resting)
+            compliance = self.compliance + (units @ secants.missed[:, self.dofs]).T
+            if not (np.isfinite(compliance).all() and np.isfinite(gaps).all()):
+                raise NoEquilibrium("what the iterations have shown does not correct the factors")
+            force = complementary(compliance, gaps, resting)
             return force, force @ self.response + (force @ units) @ secants.missed
 
     def _accepted(self, start: State, displacement: FloatArray, overlap: float, resting: BoolArray, force: float) -> State:
