@@ -245,7 +245,7 @@ def _computed(
     progress: Callable[[float, str], None] | None,
 ) -> Prediction:
     """The same by finite elements, for what is outside the atlas."""
-    deepest = deepest_asked(unload_from, max_overlap, DEFAULT_STARTS[-1])
+    deepest = deepest_asked(unload_from, max_overlap)
     starts = tuple(unload_from or ()) or tuple(start for start in DEFAULT_STARTS if start <= deepest) or (deepest,)
     curve = _pressed(material, radius, starts, deepest, progress)
     curves = [curve]

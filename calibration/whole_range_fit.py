@@ -3,8 +3,8 @@
     python -m calibration.whole_range_fit FOLDER [FOLDER ...] [--unseen FOLDER] [--dry]
 
 The elastic factors come first, from what the curves say before yield (linear least squares); then everything else together by least
-squares, then of the powers 1.25 (so that the worst points count more), from the constants in place. The compact law likewise, with fourth
-powers. FOLDER of --unseen is only judged.
+squares, then by the least sum of 2.5th powers (so that the worst points count more), from the constants in place. The compact law likewise,
+with fourth powers. FOLDER of --unseen is only judged.
 """
 
 from __future__ import annotations

@@ -80,6 +80,11 @@ def kernel(function: Callable[..., Any], fastmath: Set[str] = frozenset(), inlin
     return compiled
 
 
+def inlined(function: Callable[..., Any]) -> Any:
+    """`kernel` for what every contact of every step goes through: part of whatever calls it."""
+    return kernel(function, inline=True)
+
+
 if not numba.config.DISABLE_JIT:
     # numba puts this off to the first call of a kernel, which then takes half a second more; done here, forked processes share it
     cpu_target.typing_context.refresh()

@@ -8,13 +8,12 @@ Spheres of two materials meet like two equal spheres of a third, `effective`: a 
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
 from contactlaws import dispatch
-from contactlaws.compiled import kernel
+from contactlaws.compiled import inlined, kernel
 from contactlaws.errors import Problem, require
 from contactlaws.material import Material, problems_with
 
@@ -123,7 +122,7 @@ def pair_scale(law, radius_i, radius_j):  # type: ignore[no-untyped-def]
     return 2.0 * radius_i * radius_j / ((radius_i + radius_j) * law.radius)
 
 
-@functools.partial(kernel, inline=True)
+@inlined
 def pair_force(law, scale, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
     """Force in N between two spheres whose centres are `overlap` (m) closer than the sum of their radii, and the new memory."""
     half = 0.5 / scale

@@ -9,11 +9,10 @@ computes the force alone, and of many unloading steps only the first computes th
 
 from __future__ import annotations
 
-import functools
 import math
 from typing import Any
 
-from contactlaws.compiled import kernel
+from contactlaws.compiled import inlined, kernel
 from contactlaws.dispatch import Law, register
 from contactlaws.errors import Problem, require
 from contactlaws.material import Material, problems_with
@@ -35,9 +34,6 @@ from contactlaws.whole_range_unloading import recovered_depth, retreat, shape, s
 DEEPEST = 0.6
 #: a body pressed to more than this overlap over the radius is kept there: at 1 nothing of it is left
 END = 0.99
-
-#: for what every contact needs while it loads
-_inlined = functools.partial(kernel, inline=True)
 
 
 def whole_range(material: Material, radius: float) -> WholeRange:
@@ -85,7 +81,7 @@ def unloading(law, depth):  # type: ignore[no-untyped-def]
     return load * factor, phi, area * factor, recovered / factor, shape_terms(law, at, phi)
 
 
-@_inlined
+@inlined
 def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
     """Loading branch, or unloading from the largest overlap."""
     if overlap <= 0.0:
@@ -111,7 +107,7 @@ def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped
     return law.force_unit * load * shape(terms, s), after
 
 
-@_inlined
+@inlined
 def any_load(law, depth):  # type: ignore[no-untyped-def]
     """f on the loading branch, at any depth."""
     if depth <= DEEPEST:

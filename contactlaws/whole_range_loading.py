@@ -9,12 +9,11 @@ Area: from the elastic to the plastic one as the force falls behind the elastic 
 
 from __future__ import annotations
 
-import functools
 import math
 
 import numpy as np
 
-from contactlaws.compiled import kernel
+from contactlaws.compiled import inlined, kernel
 
 #: similarity regime of the fully plastic indentation by a sphere: mean pressure over Y, a^2/(R d), and their product; what
 #: `cases.verification.similarity` extrapolates to D = 0 (Mesarovic & Fleck 1999 and others: about 3 and 2.9)
@@ -28,11 +27,8 @@ LEAST_GROWTH = 0.1
 _NODES, _SHARES = np.polynomial.legendre.leggauss(8)
 _PANELS = 12
 
-#: for what the force of a loading contact is made of
-_inlined = functools.partial(kernel, inline=True)
 
-
-@_inlined
+@inlined
 def elastic_factor(one, two, three, t):  # type: ignore[no-untyped-def]
     """1 + one t + two t^2 + three t^6: what a finite body adds to Hertz, t = sqrt(D)."""
     square = t * t
@@ -67,7 +63,7 @@ def elastic_slope(law, depth):  # type: ignore[no-untyped-def]
     return law.stiffness * t * (1.5 + t * (2.0 * law.force_1 + t * (2.5 * law.force_2 + t**4 * 4.5 * law.force_3)))
 
 
-@_inlined
+@inlined
 def limit_parts(law, depth, t):  # type: ignore[no-untyped-def]
     """P (1 - D)/(8.85 D) as dividend and divisor, t = sqrt(D)."""
     over = 1.0 + law.limit_over_1 * t + depth * (law.limit_over_2 + depth * law.limit_over_3)
@@ -81,7 +77,7 @@ def plastic_limit(law, depth):  # type: ignore[no-untyped-def]
     return INDENTATION * depth * over / ((1.0 - depth) * under)
 
 
-@_inlined
+@inlined
 def loading_load(law, depth):  # type: ignore[no-untyped-def]
     """f on the loading branch. The elastic force over the plastic limit is formed by one division: this is the force of every contact."""
     t = math.sqrt(depth)
