@@ -150,14 +150,15 @@ class Equilibrium:
         self.axis_dofs = 2 * section.axis
         # what the strains' round-off (1e-16 of a stretch near 1) leaves of the nodal forces; the mean dilatation's is an average
         self.round_off = (1e-15 * moduli[1] + 1e-16 * moduli[0]) * np.sqrt(body.cells.shape[0])
+        self.undeformed = np.zeros((*body.volumes.shape, 4))  # Cp^-1 of a body without plastic strain
+        self.undeformed[..., [0, 1, 3]] = 1.0
         self.forces = np.empty(body.dofs)
         self.band = np.empty(body.band_shape)
+        self.loads: FloatArray | None = None  # dead nodal forces that act on the body from inside, besides those of its strain
 
     def start(self) -> State:
         """The undeformed body with its highest surface nodes just touching the flat."""
-        cells = self.body.volumes.shape
-        history = np.zeros((*cells, 4))
-        history[..., [0, 1, 3]] = 1.0
+        cells, history = self.body.volumes.shape, self.undeformed.copy()
         touching = self.depth <= 1e-12 * self.height
         zeros = np.zeros((self.body.dofs // 2, 2))
         return State(0.0, 0.0, zeros, touching, history, np.zeros(cells), np.zeros_like(history), np.zeros(touching.size))
@@ -183,15 +184,27 @@ class Equilibrium:
         """Put the nodal forces into `forces`; False if an element is turned inside out."""
         b = self.body
         with self.statistics.timed("forces"):
-            return bool(assemble_forces(displacement, b.cells, b.gradients, b.hoops, b.volumes, history, self.moduli, self.forces))
+            sound = bool(assemble_forces(displacement, b.cells, b.gradients, b.hoops, b.volumes, history, self.moduli, self.forces))
+        if self.loads is not None:
+            self.forces += self.loads
+        return sound
 
     def linearise(self, displacement: FloatArray, history: FloatArray, moduli: Moduli | None = None) -> bool:
         """The nodal forces, and their tangent into `band`; False if an element is turned inside out."""
         b, band = self.body, self.band.reshape(-1)
         with self.statistics.timed("stiffness"):
-            return bool(
+            sound = bool(
                 assemble(displacement, b.cells, b.gradients, b.hoops, b.volumes, history, moduli or self.moduli, b.slots, self.forces, band)
             )
+        if self.loads is not None:
+            self.forces += self.loads
+        return sound
+
+    def elastic_forces(self, displacement: FloatArray, moduli: Moduli) -> None:
+        """Put the nodal forces of a body of these moduli without a history or loads into `forces`."""
+        b = self.body
+        with self.statistics.timed("forces"):
+            assemble_forces(displacement, b.cells, b.gradients, b.hoops, b.volumes, self.undeformed, moduli, self.forces)
 
     def factorise(self, fixed: IntArray, values: FloatArray, rhs: FloatArray) -> None:
         """Prescribe `values` (right-hand sides, fixed) of the components `fixed` in the tangent and take them to the right of `rhs`

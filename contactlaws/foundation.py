@@ -1,0 +1,164 @@
+"""The exact history of a viscoelastic contact: a row of springs, each with its own unilateral contact.
+
+An elastic contact F_e(d), convex and without slope at the start, is the sum of springs that touch the flat one after the other: the
+density of those that touch at the overlap l is F_e''(l). For a half-space pressed by a sphere that is more than bookkeeping: the
+transformation that makes of the surface a row of independent springs (Popov & Hess 2013) is linear and knows no time, so with a relaxing
+modulus each spring relaxes on its own, and leaves or meets the flat on its own. While the contact grows this is Lee & Radok's integral
+(1960); on a first retreat it is Ting's solution (1966), for the separation condition int_{t1}^{t} psi(t - s) d'(s) ds = 0 says that the
+spring l = d(t1) carries no force; for any other history it goes on being exact. What is not in it: a Poisson's ratio that changes in time
+(a sphere's force then knows more than E*), and what large strains add while the contact shrinks.
+
+Steps are implicit and the springs' lengths linear in time within a step, so a step may be far longer than any relaxation time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from contactlaws.compiled import kernel
+from contactlaws.prony import Relaxation
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Springs(NamedTuple):
+    """Where springs touch the flat, and how stiff they are at once."""
+
+    onset: FloatArray  # overlap, rising
+    stiffness: FloatArray  # force per overlap; all together at an overlap d: dF_e/dd
+
+
+class History(NamedTuple):
+    """What the springs did, one row per time."""
+
+    overlap: FloatArray
+    force: FloatArray
+    edge: FloatArray  # onset where the springs' force ends; the elastic body touches as far at that overlap
+    stored: FloatArray  # energy in the springs, also those off the flat
+    dissipated: FloatArray  # by their dampers
+
+
+def springs_of(elastic_force: Callable[[FloatArray], FloatArray], largest: float, count: int, smallest: float = 1e-6) -> Springs:
+    """Springs whose force is `elastic_force` at their onsets, which are spaced evenly in the root of the overlap, up to `largest`."""
+    share = np.linspace(0.0, 1.0, count + 1)
+    onset = largest * (smallest + (1.0 - smallest) * share) * share
+    return springs_through(onset, elastic_force(onset))
+
+
+def springs_through(overlap: FloatArray, force: FloatArray) -> Springs:
+    """Springs whose elastic force is the straight line from row to row; the first row is 0, 0."""
+    return Springs(overlap[:-1], np.diff(np.diff(force) / np.diff(overlap), prepend=0.0))
+
+
+def follow(springs: Springs, modulus: Relaxation, time: npt.ArrayLike, control: npt.ArrayLike, by_force: npt.ArrayLike = False) -> History:
+    """Take the springs through the rows of `control`, overlaps or (where `by_force`) forces, at `time` (s), from the unstrained state.
+
+    modulus: only its fractions and times count, the springs' stiffness being the instantaneous one. The first row is where it starts.
+    """
+    times, values = np.asarray(time, dtype=np.float64), np.asarray(control, dtype=np.float64)
+    forced = np.broadcast_to(np.asarray(by_force, dtype=np.bool_), times.shape).copy()
+    columns = _follow(springs.onset, springs.stiffness, np.array(modulus.fractions), np.array(modulus.times), times, values, forced)
+    return History(*columns)
+
+
+@kernel
+def held_share(step, times, decay, held):  # type: ignore[no-untyped-def]
+    """For one time step: how much of each term is left, and how much of what is added evenly within the step."""
+    for i in range(times.size):
+        x = step / times[i]
+        decay[i] = math.exp(-x)
+        held[i] = -math.expm1(-x) / x if x > 1e-300 else 1.0
+
+
+@kernel
+def _spring_force(long_term, fractions, decay, held, length, strain, row, added):  # type: ignore[no-untyped-def]
+    """Force over stiffness of one spring whose length grows by `added` in the step."""
+    force = long_term * (length + added)
+    for i in range(fractions.size):
+        force += fractions[i] * (decay[i] * strain[row, i] + held[i] * added)
+    return force
+
+
+@kernel
+def _total(overlap, onset, stiffness, long_term, at_once, fractions, decay, held, length, strain):  # type: ignore[no-untyped-def]
+    """Force of all springs with the flat at `overlap`, and its slope."""
+    force, slope = 0.0, 0.0
+    for k in range(onset.size):
+        one = _spring_force(long_term, fractions, decay, held, length[k], strain, k, overlap - onset[k] - length[k])
+        if one > 0.0:
+            force += stiffness[k] * one
+            slope += stiffness[k] * at_once
+    return force, slope
+
+
+@kernel
+def _follow(onset, stiffness, fractions, times, time, control, by_force):  # type: ignore[no-untyped-def]
+    rows, terms = time.size, times.size
+    long_term = 1.0 - fractions.sum()
+    length, strain = np.zeros(onset.size), np.zeros((onset.size, terms))
+    decay, held = np.empty(terms), np.empty(terms)
+    overlap, force, edge, stored, dissipated = np.zeros(rows), np.zeros(rows), np.zeros(rows), np.zeros(rows), np.zeros(rows)
+    flat, lost = 0.0, 0.0
+    for n in range(rows):
+        held_share(time[n] - time[n - 1] if n > 0 else 0.0, times, decay, held)
+        at_once = long_term
+        for i in range(terms):
+            at_once += fractions[i] * held[i]
+        if by_force[n]:
+            flat = _overlap_for(control[n], flat, onset, stiffness, long_term, at_once, fractions, decay, held, length, strain)
+        else:
+            flat = control[n]
+        total, kept, last = 0.0, 0.0, 0.0
+        for k in range(onset.size):
+            added = flat - onset[k] - length[k]
+            one = _spring_force(long_term, fractions, decay, held, length[k], strain, k, added)
+            if one > 0.0:
+                total += stiffness[k] * one
+                edge[n] = max(onset[k], flat) if k == onset.size - 1 else onset[k]
+            else:
+                if k > 0 and last > 0.0:
+                    edge[n] = onset[k - 1] + (onset[k] - onset[k - 1]) * last / (last - one)
+                added -= one / at_once
+            last = one
+            energy = 0.5 * long_term * (length[k] + added) ** 2
+            for i in range(terms):
+                before = strain[k, i]
+                strain[k, i] = decay[i] * before + held[i] * added
+                energy += 0.5 * fractions[i] * strain[k, i] ** 2
+            length[k] += added
+            kept += stiffness[k] * energy
+        overlap[n], force[n], stored[n] = flat, total, kept
+        if n > 0:
+            lost += 0.5 * (force[n] + force[n - 1]) * (flat - overlap[n - 1]) - (kept - stored[n - 1])
+        dissipated[n] = lost
+    return overlap, force, edge, stored, dissipated
+
+
+@kernel
+def _overlap_for(target, flat, onset, stiffness, long_term, at_once, fractions, decay, held, length, strain):  # type: ignore[no-untyped-def]
+    """The overlap at which the springs carry `target`: Newton's method from above, where the force is convex; at 0 they just touch."""
+    if target <= 0.0:
+        # the flat where the first spring ends when nothing holds it
+        touching = -1e300
+        for k in range(onset.size):
+            free = _spring_force(long_term, fractions, decay, held, length[k], strain, k, 0.0)
+            touching = max(touching, onset[k] + length[k] - free / at_once)
+        return touching
+    step = max(abs(flat), 1e-12 * onset[-1])
+    high = flat
+    for _ in range(200):
+        if _total(high, onset, stiffness, long_term, at_once, fractions, decay, held, length, strain)[0] >= target:
+            break
+        high += step
+        step *= 2.0
+    for _ in range(100):
+        force, slope = _total(high, onset, stiffness, long_term, at_once, fractions, decay, held, length, strain)
+        if force - target <= 1e-14 * target:
+            break
+        high -= (force - target) / slope
+    return high

@@ -1,0 +1,125 @@
+"""What is done to a body in time: knots between which the overlap, or the force, goes straight."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from contactlaws.errors import Problem
+
+
+class Knot(NamedTuple):
+    """The end of a segment; exactly one of overlap and force is given."""
+
+    time: float  # s
+    overlap: float | None = None  # m; negative: the flat stands off the undeformed body
+    force: float | None = None  # N; 0: the flat just touches
+
+
+Programme = tuple[Knot, ...]
+START = Knot(0.0, 0.0)
+
+
+def ramp_hold_release(overlap: float, ramp: float, hold: float = 0.0, release: float | None = None, end: float = 0.0) -> Programme:
+    """To `overlap` (m) in `ramp` s, there for `hold` s, and (unless None) to the overlap `end` in `release` s.
+
+    >>> [knot.time for knot in ramp_hold_release(1e-7, 1.0, 6.5, 0.5)]
+    [0.0, 1.0, 7.5, 8.0]
+    """
+    knots = [START, Knot(ramp, overlap)]
+    if hold > 0.0:
+        knots.append(Knot(ramp + hold, overlap))
+    if release is not None:
+        knots.append(Knot(ramp + hold + release, end))
+    return tuple(knots)
+
+
+def creep(force: float, ramp: float, hold: float, recovery: float | None = None) -> Programme:
+    """`force` (N) built up in `ramp` s and held for `hold` s; then (unless None) taken off as fast and nothing for `recovery` s."""
+    knots = [START, Knot(ramp, force=force), Knot(ramp + hold, force=force)]
+    if recovery is not None:
+        knots += [Knot(2.0 * ramp + hold, force=0.0), Knot(2.0 * ramp + hold + recovery, force=0.0)]
+    return tuple(knots)
+
+
+def staircase(overlaps: Sequence[float], ramp: float, hold: float) -> Programme:
+    """To each of `overlaps` (m) in `ramp` s, with `hold` s there."""
+    knots = [START]
+    for overlap in overlaps:
+        knots.append(Knot(knots[-1].time + ramp, overlap))
+        knots.append(Knot(knots[-1].time + hold, overlap))
+    return tuple(knots)
+
+
+def sine(mean: float, amplitude: float, period: float, cycles: float, knots_per_cycle: int = 24) -> Programme:
+    """Overlap (m) `mean` + `amplitude` sin(2 pi t/period) after a ramp to `mean` in a quarter of a period; in straight pieces."""
+    pieces = max(1, round(cycles * knots_per_cycle))
+    start = 0.25 * period
+    angles = [2.0 * math.pi * cycles * k / pieces for k in range(1, pieces + 1)]
+    wave = [Knot(start + period * angle / (2.0 * math.pi), mean + amplitude * math.sin(angle)) for angle in angles]
+    return (START, Knot(start, mean), *wave)
+
+
+def problems_with_programme(programme: Programme, radius: float) -> Iterator[Problem]:
+    """What is wrong with the knots, one `Problem` each."""
+    if len(programme) < 2:
+        yield Problem("programme", len(programme), "needs a knot after the start", "give at least two rows: time, and overlap or force")
+        return
+    if programme[0] != START:
+        yield Problem("programme[1]", tuple(programme[0]), "must be time 0 and overlap 0", "let it begin where the flat touches")
+    for number, knot in enumerate(programme, 1):
+        name = f"programme[{number}]"
+        given = [value for value in (knot.overlap, knot.force) if value is not None]
+        if len(given) != 1:
+            yield Problem(name, tuple(knot), "must have exactly one of overlap and force", "leave the other one empty")
+        if not all(math.isfinite(value) for value in (knot.time, *given)):
+            yield Problem(name, tuple(knot), "must be made of finite numbers", "repair the row")
+            return
+        if knot.overlap is not None and not abs(knot.overlap) < radius:
+            yield Problem(name, knot.overlap, f"must be smaller than the radius, {radius:g} m", "give the overlap in m")
+        if knot.force is not None and knot.force < 0.0:
+            yield Problem(name, knot.force, "must not be negative: the flat does not pull", "0 lets it just touch")
+    for number, (before, knot) in enumerate(pairwise(programme), 2):
+        if knot.time < before.time or (knot.time == before.time and knot == before):
+            yield Problem(
+                f"programme[{number}]: time", knot.time, f"must rise, and comes after {before.time:g} s", "order the rows in time"
+            )
+    if all((knot.overlap or 0.0) <= 0.0 and (knot.force or 0.0) <= 0.0 for knot in programme):
+        yield Problem("programme", len(programme), "never touches the body", "let an overlap or a force be positive")
+
+
+class Row(NamedTuple):
+    """One step of a run: where it ends, and how it is controlled."""
+
+    time: float
+    control: float  # overlap in m, or force in N
+    by_force: bool
+    segment: int  # number of the knot it leads to
+
+
+def rows(programme: Programme, shortest: float, longest: float, steps: int) -> list[Row]:
+    """The steps of a programme, from the start: `steps` a segment, even in time where the control moves.
+
+    Where it is held they grow in proportion to the time since it began, from a hundredth of `shortest` (s) to beyond `longest` (s), the
+    shortest and longest relaxation times.
+    """
+    found = [Row(0.0, 0.0, False, 0)]
+    for number, (before, knot) in enumerate(pairwise(programme), 1):
+        by_force = knot.force is not None
+        target = knot.force if knot.force is not None else knot.overlap
+        start = (before.force if by_force else before.overlap) if before is not START else 0.0
+        assert target is not None
+        span = knot.time - before.time
+        if start == target and span > 0.0:
+            low = min(0.01 * shortest, 0.01 * span)
+            share = np.geomspace(low, span, steps + 1) / span
+        else:
+            share = np.linspace(0.0, 1.0, steps + 1)[1:]
+        # a change of control begins where the other one ended, which only the run knows
+        first = target if start is None else start
+        found += [Row(before.time + span * float(s), first + (target - first) * float(s), by_force, number) for s in share]
+    return found
