@@ -10,9 +10,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # what computes with any law depends on all of these, and is found to do so by reading imports
-    from contactlaws import edmans_sinka, elastic, elastoplastic, rivals, tabulated, whole_range
+    from contactlaws import edmans_sinka, elastic, elastoplastic, maxwell_zener, maxwell_zener_ting, rivals, tabulated, whole_range
 
-__all__ = ["edmans_sinka", "elastic", "elastoplastic", "rivals", "tabulated", "whole_range"]
+__all__ = ["edmans_sinka", "elastic", "elastoplastic", "maxwell_zener", "maxwell_zener_ting", "rivals", "tabulated", "whole_range"]
 
 
 def __getattr__(name: str) -> Any:

@@ -4,12 +4,14 @@ A law is a frozen record of parameters (a `NamedTuple`; its first field is alway
 four scalar compiled functions, registered once with `register`. All describe ONE body pressed by its mid-plane against a rigid
 frictionless flat, in SI units (a pair is made of it in `contactlaws.pair`):
 
-    force(law, overlap, rate, dt, state) -> (force, state)      N; state is a tuple of floats, the memory of the contact
+    force(law, overlap, rate, dt, state) -> (force, state)      N; state is the memory of the contact: a tuple of floats, or a row
     contact_radius(law, overlap, state) -> float                 m
     energy(law, overlap, state) -> (stored, dissipated)          J, both functions of the state alone; stored can be got back
     stiffness_bound(law, overlap) -> float                       N/m; the largest tangent over all histories up to `overlap`
 
-`overlap` below or at zero means no contact: force 0 and the initial state. Kernels call `normal_force`, `contact_radius`, `energy`,
+`overlap` below or at zero means no contact: force 0 and the initial state. A law whose memory depends on its record (a viscoelastic one
+remembers some floats for each of its terms) keeps it in a row of an array: `state` is then that row itself, which the force function
+overwrites. Kernels call `normal_force`, `contact_radius`, `energy`,
 `stiffness_bound`, `initial_state` of this module; numba picks the function from the record's type while compiling, so it costs nothing.
 """
 
@@ -19,6 +21,7 @@ import importlib
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import types
 from numba.extending import overload
 
@@ -34,10 +37,14 @@ class Law(NamedTuple):
     contact_radius: Callable[..., Any]
     energy: Callable[..., Any]
     stiffness_bound: Callable[..., Any]
-    memory: tuple[str, ...]  # one name per float of state; () for a law without memory
+    memory: tuple[str, ...]  # one name per float of state; () for a law without memory; of a row, its parts
     source: str  # paper and equations, as corrected
     #: what makes a record unusable, asked before a kernel sees it; a law made of plain numbers may leave it out
     problems: Callable[[Any], Iterable[Problem]] = lambda law: ()
+    #: compiled: floats in the row of a record's memory; None: the memory is a tuple as long as `memory`
+    row_size: Callable[[Any], int] | None = None
+    #: whether the force depends on how fast the overlap changes, or on how long it stays
+    in_time: bool = False
 
 
 _LAWS: dict[type, Law] = {}
@@ -96,20 +103,32 @@ def stiffness_bound(law, overlap):  # type: ignore[no-untyped-def]
     return law_of(law).stiffness_bound(law, overlap)
 
 
+def floats_of_state(law: object) -> int:
+    """How many floats a contact of this law (record) remembers."""
+    known = law_of(law)
+    return len(known.memory) if known.row_size is None else int(known.row_size(law))
+
+
 def initial_state(law):  # type: ignore[no-untyped-def]
-    """Memory of a contact that has never been touched: a tuple of zeros."""
-    return (0.0,) * len(law_of(law).memory)
+    """Memory of a contact that has never been touched: zeros."""
+    return (0.0,) * len(law_of(law).memory) if law_of(law).row_size is None else np.zeros(floats_of_state(law))
 
 
 def load_state(law, memory, index):  # type: ignore[no-untyped-def]
-    """The state tuple kept in row `index` of `memory`, an array of shape (contacts, floats of state)."""
-    return tuple(memory[index, i] for i in range(len(law_of(law).memory)))
+    """The state kept in row `index` of `memory`, an array of shape (contacts, floats of state): a tuple, or the row itself."""
+    return tuple(memory[index, i] for i in range(len(law_of(law).memory))) if law_of(law).row_size is None else memory[index]
 
 
 def store_state(law, memory, index, state):  # type: ignore[no-untyped-def]
-    """Write the state tuple into row `index` of `memory`, an array of shape (contacts, floats of state)."""
-    for i in range(len(law_of(law).memory)):
+    """Write the state into row `index` of `memory`, an array of shape (contacts, floats of state)."""
+    for i in range(len(state)):
         memory[index, i] = state[i]
+
+
+def put_back(law, memory, index, state):  # type: ignore[no-untyped-def]
+    """`store_state` for a state that was loaded from the same place: a row is there already."""
+    if law_of(law).row_size is None:
+        store_state(law, memory, index, state)
 
 
 def _numba_law(law: Any) -> Law:
@@ -145,12 +164,17 @@ def _(law, overlap):  # type: ignore[no-untyped-def]
 
 @overload(initial_state)
 def _(law):  # type: ignore[no-untyped-def]
+    size = _numba_law(law).row_size
+    if size is not None:
+        return lambda law: np.zeros(size(law))
     zeros = (0.0,) * len(_numba_law(law).memory)
     return lambda law: zeros
 
 
 @overload(load_state)
 def _(law, memory, index):  # type: ignore[no-untyped-def]
+    if _numba_law(law).row_size is not None:
+        return lambda law, memory, index: memory[index]
     # numba builds a tuple only from a written-out expression, so there is one for each length in use
     size = len(_numba_law(law).memory)
     if size == 0:
@@ -174,3 +198,15 @@ def _(law, memory, index, state):  # type: ignore[no-untyped-def]
             memory[index, i] = state[i]
 
     return store
+
+
+@overload(put_back)
+def _(law, memory, index, state):  # type: ignore[no-untyped-def]
+    if _numba_law(law).row_size is not None or not _numba_law(law).memory:
+        return lambda law, memory, index, state: None
+
+    def put(law, memory, index, state):  # type: ignore[no-untyped-def]
+        for i in range(len(state)):
+            memory[index, i] = state[i]
+
+    return put

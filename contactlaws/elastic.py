@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
 
@@ -72,6 +74,22 @@ class HertzFiniteSize(NamedTuple):
     force_3: float  # c3, factor of D^3
     area_1: float  # b1, factor of sqrt(D)
     area_2: float  # b2, factor of D^2
+
+
+#: c1, c2, c3, b1, b2 of `HertzFiniteSize` for a sphere, as polynomials in Poisson's ratio, constant first
+FINITE_SIZE = (
+    (-0.0268, 2.07373, -1.12466, -3.36128),
+    (1.5811, -2.93853, 0.63835, 3.89564),
+    (0.36169, 19.67749, 13.96902, -57.53012),
+    (-0.10822, 1.13832, -0.77296),
+    (0.43919, -0.56687, 6.62506),
+)
+
+
+def finite_size_factors(poissons_ratio: float) -> tuple[float, float, float, float, float]:
+    """c1, c2, c3, b1 and b2 of `HertzFiniteSize` for a sphere of any material, up to an overlap of 0.3 radii."""
+    c1, c2, c3, b1, b2 = (float(np.polynomial.polynomial.polyval(poissons_ratio, row)) for row in FINITE_SIZE)
+    return c1, c2, c3, b1, b2
 
 
 @kernel

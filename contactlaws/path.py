@@ -38,7 +38,7 @@ def _trace(law, overlap, time, memory):  # type: ignore[no-untyped-def]
     force = np.empty(size)
     radius = np.empty(size)
     states = np.empty((size, memory.shape[1]))
-    state = dispatch.load_state(law, memory, 0)
+    state = dispatch.load_state(law, memory.copy(), 0)
     for i in range(size):
         dt = time[i] - time[i - 1] if i > 0 else 0.0
         rate = (overlap[i] - overlap[i - 1]) / dt if dt > 0.0 else 0.0
@@ -50,16 +50,21 @@ def _trace(law, overlap, time, memory):  # type: ignore[no-untyped-def]
 
 @kernel
 def _energies(law, overlap, states, memory):  # type: ignore[no-untyped-def]
-    """Stored and dissipated energy; what a contact had dissipated when it opened, and forgot its history, stays in the account."""
+    """Stored and dissipated energy; what a contact still had and had dissipated when it opened, and forgot its history, stays in the
+    account as dissipated.
+    """
     stored = np.empty(overlap.size)
     dissipated = np.empty(overlap.size)
-    before = dispatch.energy(law, 0.0, dispatch.load_state(law, memory, 0))[1]
+    state = dispatch.load_state(law, memory, 0)
+    before = dispatch.energy(law, 0.0, state)[1]
     closed = -before
     for i in range(overlap.size):
-        stored[i], now = dispatch.energy(law, overlap[i], dispatch.load_state(law, states, i))
+        after = dispatch.load_state(law, states, i)
+        stored[i], now = dispatch.energy(law, overlap[i], after)
         if overlap[i] <= 0.0:
-            closed += before - now
-        before = now
+            left, before = dispatch.energy(law, 0.0, state)
+            closed += before + left - now
+        before, state = now, after
         dissipated[i] = closed + now
     return stored, dissipated
 
@@ -93,7 +98,7 @@ def _prepared(
     path = np.array(overlap, dtype=np.float64)
     times = np.arange(path.size, dtype=np.float64) if time is None else np.array(time, dtype=np.float64)
     initial = dispatch.initial_state(law) if state is None else state
-    _require_path(path, times, initial, len(dispatch.law_of(law).memory))
+    _require_path(path, times, initial, dispatch.floats_of_state(law))
     return path, times, np.array(initial, dtype=np.float64).reshape(1, -1)
 
 

@@ -88,8 +88,7 @@ def pair_forces(  # type: ignore[no-untyped-def]
             rate = -(dx * vx + dy * vy + dz * vz) / distance
             if memory is not None:
                 f, state = pair.pair_force(law, scale, overlap, rate, dt, dispatch.load_state(law, memory, row))
-                for k in range(len(state)):
-                    memory[row, k] = state[k]
+                dispatch.put_back(law, memory, row, state)
             else:
                 f, _ = pair.pair_force(law, scale, overlap, rate, dt, dispatch.initial_state(law))
             magnitude[row] = f

@@ -46,7 +46,7 @@ def working(law: object, bodies: Particles, box: Box, skin: float) -> Working:
     order = cell_order(bodies.position, bodies.radii)
     radii, count = bodies.radii[order], bodies.size
     pairs = neighbours(bodies.position[order], radii, box, skin)
-    floats = len(dispatch.law_of(law).memory)
+    floats = dispatch.floats_of_state(law)
     work = Working(
         position=bodies.position[order],
         velocity=bodies.velocity[order],
@@ -103,7 +103,7 @@ def _ended(law: object, work: Working, memory: FloatArray, row: int) -> float:
     """Energy in J used up by a contact that has moved apart by more than the skin within one step."""
     i, j = work.pairs.first[row], work.pairs.partner[row]
     scale = pair.pair_scale(law, work.radii[i], work.radii[j])
-    return sum(pair.pair_energy(law, scale, 0.0, tuple(float(value) for value in memory)))
+    return sum(pair.pair_energy(law, scale, 0.0, dispatch.load_state(law, memory.reshape(1, -1), 0)))
 
 
 def largest_overlap(work: Working) -> float:

@@ -54,7 +54,7 @@ def _alone(law, overlap, memory):  # type: ignore[no-untyped-def]
     total = 0.0
     for i in range(overlap.size):
         force, state = dispatch.normal_force(law, overlap[i], 0.0, 0.0, dispatch.load_state(law, memory, i))
-        dispatch.store_state(law, memory, i, state)
+        dispatch.put_back(law, memory, i, state)
         total += force
     return total
 
@@ -81,7 +81,7 @@ class _Contacts:
     def __init__(self, law: Any):
         self.law, self.scale = law, 1.0
         self.overlap = np.random.default_rng(1).uniform(0.01, 1.0, CONTACTS) * DEEPEST * RADIUS
-        self.memory = np.zeros((CONTACTS, len(dispatch.law_of(law).memory)))
+        self.memory = np.zeros((CONTACTS, dispatch.floats_of_state(law)))
 
     def timed(self, way: float) -> float:
         """Move by one step, then time one pass; ns per contact."""
@@ -141,7 +141,7 @@ def rows(found: Mapping[str, Cost], memories: Mapping[str, int]) -> list[str]:
 def main(names: Sequence[str]) -> None:
     """Measure and print."""
     laws = records(names)
-    memories = {name: len(dispatch.law_of(law).memory) for name, law in laws.items()}
+    memories = {name: dispatch.floats_of_state(law) for name, law in laws.items()}
     print("\n".join(rows(measure(laws), memories)))
 
 
