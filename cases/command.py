@@ -14,6 +14,7 @@ import typer
 
 from cases.arguments import option, spread
 from cases.command_atlas import identify, predict
+from cases.command_prony import prony
 from cases.command_tradeoff import tournament, tradeoff
 
 BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
@@ -240,7 +241,7 @@ def laws() -> None:
     console.show_laws(registered())
 
 
-for _command in (run, reference, fit, predict, identify, impact, simulate, tournament, status, report, doctor, laws):
+for _command in (run, reference, fit, prony, predict, identify, impact, simulate, tournament, status, report, doctor, laws):
     app.command()(_command)
 app.add_typer(tradeoff, name="tradeoff")
 

@@ -13,14 +13,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from contactlaws.csv_rows import Rows, finite, read_rows
 from contactlaws.errors import Problem, require
 from contactlaws.files import write_text
-from contactlaws.prony import PronyViscoelastic, problems_with_series
+from contactlaws.prony import PronyViscoelastic, Relaxation, problems_with_series, uniaxial
 from contactlaws.version import code_version
 
 FORMAT = "fe2dem prony series"
@@ -37,13 +37,26 @@ def write_series(material: PronyViscoelastic, path: str | Path, facts: Mapping[s
     Raises `InputError` for constants that nothing can use, another ending, or a place that cannot be written.
     """
     require(problems_with_series(material))
-    require(_problems_with_ending(path))
-    lines = [f"# format: {FORMAT}", "# units: Pa, s; fractions of the instantaneous moduli", f"# code: {code_version()}"]
-    lines += [f"# {name}: {float(getattr(material, name))!r}" for name in CONSTANTS]
-    lines += [f"# {name}: {json.dumps(value, allow_nan=False)}" for name, value in (facts or {}).items()]
     columns = {TIME: material.relaxation_times, SHEAR: material.shear_fractions}
     if material.bulk_fractions is not None:
         columns[BULK] = material.bulk_fractions
+    return _write({name: getattr(material, name) for name in CONSTANTS}, columns, path, facts or {})
+
+
+def write_youngs(modulus: Relaxation, path: str | Path, facts: Mapping[str, Any] | None = None) -> Path:
+    """The same for a Young's modulus alone, of a material whose Poisson's ratio stays, and is left to whoever reads the file.
+
+    Raises `InputError` as `write_series` does.
+    """
+    uniaxial(modulus, 0.0)  # raises where the terms cannot be used
+    return _write({"youngs_modulus": modulus.instantaneous}, {TIME: modulus.times, SHEAR: modulus.fractions}, path, facts or {})
+
+
+def _write(constants: Mapping[str, float], columns: Mapping[str, Sequence[float]], path: str | Path, facts: Mapping[str, Any]) -> Path:
+    require(_problems_with_ending(path))
+    lines = [f"# format: {FORMAT}", "# units: Pa, s; fractions of the instantaneous moduli", f"# code: {code_version()}"]
+    lines += [f"# {name}: {float(value)!r}" for name, value in constants.items()]
+    lines += [f"# {name}: {json.dumps(value, allow_nan=False)}" for name, value in facts.items()]
     lines.append(",".join(columns))
     lines += [",".join(map(repr, map(float, row))) for row in zip(*columns.values(), strict=True)]
     return write_text(path, "\n".join(lines) + "\n")
