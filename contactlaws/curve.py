@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from contactlaws.errors import Problem, require
 from contactlaws.material import Material
+from contactlaws.prony import PronyViscoelastic
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,6 +29,9 @@ class Curve:
     Branch 0 is the loading; branch k >= 1 is the k-th unloading, whose first row is the state it leaves from (a state on branch 0) and
     whose last row is the separation, with force 0. `overlap` is the approach of this one body: half that of a pair of equal bodies.
     Columns that an experiment cannot give are None.
+
+    Of a path in time (`in_time`) the rows follow each other in time: on branches 0, 2, 4, ... the overlap grows or rests, on 1, 3, 5, ...
+    it shrinks or rests; each begins with the row that the one before ends with.
     """
 
     time: FloatArray  # s; a path parameter where nothing depends on time
@@ -44,6 +48,8 @@ class Curve:
     yield_overlap: float | None = None  # m; None: no yield (or not known)
     yield_place: tuple[float, float] | None = None  # m; undeformed distance from the axis and from the mid-plane
     errors: Mapping[str, float] = field(default_factory=dict)  # estimated, per name in QUANTITIES
+    in_time: bool = False  # the force depends on how fast the overlap changed
+    series: PronyViscoelastic | None = None  # what a viscoelastic body is made of; `material` is what it is at once
     stopped: str | None = None  # why the path ends before its programme does
     provenance: Mapping[str, Any] = field(default_factory=dict)  # code version, mesh, solver statistics, cost in CPU seconds; JSON types
 
@@ -76,6 +82,8 @@ class Curve:
             value = getattr(self, name)
             digest.update(name.encode() + (b"-" if value is None else np.ascontiguousarray(value).tobytes()))
         digest.update(json.dumps([self.radius, self.aspect, self.material]).encode())
+        if self.in_time:
+            digest.update(json.dumps(self.series).encode())
         return digest.hexdigest()[:16]
 
 
@@ -103,11 +111,43 @@ def _problems(curve: Curve) -> Iterator[Problem]:
         value = getattr(curve, name)
         if not (np.isfinite(value) and value > 0):
             yield Problem(name, value, "must be positive", "give it in metres" if name == "radius" else "1 is a sphere")
+    if curve.in_time and all(getattr(curve, name).shape == (size,) for name in ("time", "overlap", "branch")):
+        yield from _problems_in_time(curve)
+        return
     if curve.overlap.shape == curve.branch.shape and np.any(np.diff(curve.overlap[curve.branch == 0]) <= 0):
         yield Problem("overlap", "decreases", "must increase along the loading (branch 0)", "give unloadings their own branch numbers")
     if all(getattr(curve, name).shape == (size,) for name in ("time", "force", "branch")):
         for branch in np.unique(curve.branch).tolist():
             yield from _problems_along(curve, branch)
+
+
+def branches_in_time(overlap: npt.ArrayLike) -> npt.NDArray[np.int64]:
+    """For each row of a path in time whether it is reached growing or resting (even) or shrinking (odd), counted up at each turn.
+
+    >>> branches_in_time([0.0, 1.0, 1.0, 0.5, 0.5, 0.7]).tolist()
+    [0, 0, 0, 1, 1, 2]
+    """
+    signs = np.sign(np.diff(np.asarray(overlap, dtype=np.float64), prepend=0.0))
+    found, now = np.zeros(signs.size, dtype=np.int64), 0
+    for row, sign in enumerate(signs):
+        if sign != 0.0 and (sign < 0.0) != (now % 2 == 1):
+            now += 1
+        found[row] = now
+    return found
+
+
+def _problems_in_time(curve: Curve) -> Iterator[Problem]:
+    steps = np.diff(curve.time)
+    if (steps < 0.0).any():
+        row = int(np.flatnonzero(steps < 0.0)[0]) + 1
+        yield Problem(
+            f"row {row}: time", float(curve.time[row]), f"must not fall below {curve.time[row - 1]:g} s", "order the rows in time"
+        )
+    wrong = (np.diff(curve.overlap) * np.where(curve.branch[1:] % 2 == 0, 1.0, -1.0) < 0.0) & (np.diff(curve.branch) == 0)
+    if wrong.any():
+        row = int(np.flatnonzero(wrong)[0]) + 1
+        what = "must not fall on an even branch, nor rise on an odd one"
+        yield Problem(f"row {row}: overlap", float(curve.overlap[row]), what, "leave the column branch out: it follows from the overlap")
 
 
 def _problems_along(curve: Curve, branch: int) -> Iterator[Problem]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlaws.curve import Curve
+from contactlaws.curve import Curve, branches_in_time
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import read_text, write_text
 from contactlaws.json_input import parsed
@@ -18,7 +18,7 @@ from contactlaws.json_input import parsed
 HEADER = ("branch", "time", "overlap", "force", "contact_radius")
 #: columns that may stand in a file; overlap and force must
 KNOWN = Curve.COLUMNS
-FACTS = ("radius", "aspect", "material", "yield_overlap", "yield_place", "errors", "stopped", "provenance")
+FACTS = ("radius", "aspect", "material", "yield_overlap", "yield_place", "errors", "in_time", "series", "stopped", "provenance")
 
 
 def write(curve: Curve, facts: Mapping[str, Any], path: str | Path) -> Path:
@@ -26,7 +26,7 @@ def write(curve: Curve, facts: Mapping[str, Any], path: str | Path) -> Path:
     empty.
     """
     lines = ["# format: fe2dem curve", "# units: SI (s, m, N); branch 0 is the loading, k the k-th unloading"]
-    lines += [f"# {name}: {json.dumps(value, allow_nan=False)}" for name, value in facts.items() if value not in (None, {})]
+    lines += [f"# {name}: {json.dumps(value, allow_nan=False)}" for name, value in facts.items() if value not in (None, {}, False)]
     lines.append(",".join(HEADER))
     radius = [""] * curve.overlap.size if curve.contact_radius is None else map(repr, curve.contact_radius.tolist())
     rows = zip(curve.branch.tolist(), curve.time.tolist(), curve.overlap.tolist(), curve.force.tolist(), radius, strict=True)
@@ -34,14 +34,16 @@ def write(curve: Curve, facts: Mapping[str, Any], path: str | Path) -> Path:
     return write_text(path, "\n".join(lines) + "\n")
 
 
-def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
+def read(path: str | Path, in_time: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
     """Columns and facts of a CSV file.
 
     `# key: value` lines whose key is one of `FACTS` are facts; other comment lines are passed over. Without a branch column the largest
-    overlap is where the loading ends and the one unloading begins.
+    overlap is where the loading ends and the one unloading begins. A path in time (which a file says, or `in_time`) is cut at its turns.
     """
     lines = read_text(path).splitlines()
     facts = _facts(path, lines)
+    if in_time:
+        facts["in_time"] = True
     body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not body:
         raise InputError(Problem(str(path), "no rows", "a curve file needs a header and rows", "check that the right file was given"))
@@ -49,7 +51,11 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
     require(_problems_with_header(path, header))
     columns = _columns(path, header, body[1:])
     rows = [number for number, _ in body[1:]]
-    if "branch" in columns:
+    if facts.get("in_time"):
+        require(_problems_with_time(path, columns, rows))
+        columns.setdefault("branch", branches_in_time(columns["overlap"]))
+        columns["branch"] = columns["branch"].astype(np.int64)
+    elif "branch" in columns:
         require(_problems_with_order(path, columns, rows))
         columns["branch"] = columns["branch"].astype(np.int64)
     else:
@@ -151,6 +157,15 @@ def _problems_with_order(path: str | Path, columns: Mapping[str, Any], lines: li
         yield Problem(
             f"{path} line {lines[row]}: overlap", overlap[row], "must decrease along an unloading", "keep the rows in the order of the path"
         )
+
+
+def _problems_with_time(path: str | Path, columns: Mapping[str, Any], lines: list[int]) -> Iterator[Problem]:
+    if "time" not in columns:
+        yield Problem(f"{path}: column time", None, "is needed where the force depends on it", "add the time of each row, in s")
+        return
+    for row in np.flatnonzero(np.diff(columns["time"]) < 0.0)[:3] + 1:
+        bound = f"must not fall below {columns['time'][row - 1]:g} s"
+        yield Problem(f"{path} line {lines[row]}: time", columns["time"][row], bound, "keep the rows in their order in time")
 
 
 def _with_branches(path: str | Path, columns: Mapping[str, Any], lines: list[int]) -> dict[str, Any]:

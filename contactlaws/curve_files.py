@@ -15,6 +15,7 @@ from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import write_atomically
 from contactlaws.json_input import is_number, parsed
 from contactlaws.material import Material, checked
+from contactlaws.prony import PronyViscoelastic, problems_with_series
 
 FORMAT = "fe2dem curve 1"
 UNITS = {
@@ -41,15 +42,18 @@ def write_curve(curve: Curve, path: str | Path) -> Path:
     return write_atomically(path, lambda file: _write_parquet(curve, file))
 
 
-def read_curve(path: str | Path, radius: float | None = None, material: Material | None = None) -> Curve:
-    """Read a curve from .parquet or .csv, also a measured one that has only overlap and force.
+def read_curve(path: str | Path, radius: float | None = None, material: Material | None = None, in_time: bool = False) -> Curve:
+    """Read a curve from .parquet or .csv, also a measured one that has only overlap and force; with `in_time` also time.
 
     `radius` (m) and `material` stand in for what a measured file does not say, and must not contradict what it does. Raises `InputError`
     naming file, row, value and remedy.
     """
-    columns, facts = curve_csv.read(path) if _suffix(path) == ".csv" else _read_parquet(Path(path))
+    columns, facts = curve_csv.read(path, in_time) if _suffix(path) == ".csv" else _read_parquet(Path(path))
     require(_problems_with(facts, path))
     facts = {**facts, **_material_of(facts, material)}
+    if facts.get("series") is not None:
+        facts["series"] = _series(facts["series"])
+        require(problem._replace(name=f"{path}: {problem.name}") for problem in problems_with_series(facts["series"]))
     if facts.get("radius") is None:
         facts["radius"] = radius
     given = Problem("radius", radius, f"contradicts {path}, which says {facts['radius']!r} m", "leave it out")
@@ -81,8 +85,14 @@ def _suffix(path: str | Path) -> str:
 def _facts(curve: Curve) -> dict[str, Any]:
     facts = {name: getattr(curve, name) for name in FACTS}
     facts["material"] = None if curve.material is None else curve.material._asdict()
+    facts["series"] = None if curve.series is None else curve.series._asdict()
     facts["errors"], facts["provenance"] = dict(curve.errors), dict(curve.provenance)
     return facts
+
+
+def _series(stated: Mapping[str, Any]) -> PronyViscoelastic:
+    rows = {name: None if stated[name] is None else tuple(stated[name]) for name in PronyViscoelastic._fields[2:]}
+    return PronyViscoelastic(stated["youngs_modulus"], stated["poissons_ratio"], **rows)  # type: ignore[arg-type]
 
 
 def _material_of(facts: Mapping[str, Any], given: Material | None) -> dict[str, Material | None]:
@@ -110,8 +120,26 @@ def _problems_with(facts: Mapping[str, Any], path: str | Path) -> Iterator[Probl
     errors = facts.get("errors", {})
     if not isinstance(errors, dict) or not set(errors) <= set(QUANTITIES) or not all(is_number(v) and v >= 0 for v in errors.values()):
         yield Problem(f"{path}: errors", errors, f"must be numbers for {', '.join(QUANTITIES)}", "repair or drop the others")
+    if not isinstance(facts.get("in_time", False), bool):
+        yield Problem(f"{path}: in_time", facts["in_time"], "must be true or false", "repair or drop it")
+    if facts.get("series") is not None:
+        yield from _problems_with_series(facts["series"], path)
     if not isinstance(facts.get("provenance", {}), dict):
         yield Problem(f"{path}: provenance", facts["provenance"], "must be a mapping", "repair or drop it")
+
+
+def _problems_with_series(stated: object, path: str | Path) -> Iterator[Problem]:
+    names = PronyViscoelastic._fields
+    if not isinstance(stated, dict) or set(stated) != set(names):
+        yield Problem(f"{path}: series", stated, f"must name {', '.join(names)}", "write it as a curve of this project does")
+        return
+    for name in names[:2]:
+        if not is_number(stated[name]):
+            yield Problem(f"{path}: series: {name}", stated[name], "must be a number", "give it in SI units")
+    for name in names[2:]:
+        row = stated[name]
+        if not (isinstance(row, list | tuple) and all(map(is_number, row))) and not (row is None and name == "bulk_fractions"):
+            yield Problem(f"{path}: series: {name}", row, "must be a row of numbers", "give one for each term")
 
 
 def _write_parquet(curve: Curve, file: Path) -> None:
@@ -149,7 +177,7 @@ def _read_parquet(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         _broken(path, sorted(missing), "these columns are missing", "write the whole curve")
     try:
         facts = parsed(metadata["facts"])
-        return {name: table[name].to_numpy() for name in table.column_names}, {name: facts[name] for name in FACTS}
+        return {name: table[name].to_numpy() for name in table.column_names}, {name: facts[name] for name in FACTS if name in facts}
     except (KeyError, TypeError, ValueError) as error:
         _broken(path, str(error), "its description is damaged", "write it again")
 

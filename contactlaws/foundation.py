@@ -143,11 +143,11 @@ def _follow(onset, stiffness, fractions, times, time, control, by_force):  # typ
 def _overlap_for(target, flat, onset, stiffness, long_term, at_once, fractions, decay, held, length, strain):  # type: ignore[no-untyped-def]
     """The overlap at which the springs carry `target`: Newton's method from above, where the force is convex; at 0 they just touch."""
     if target <= 0.0:
-        # the flat where the first spring ends when nothing holds it
-        touching = -1e300
+        # the flat where it meets the first spring, which nothing holds
+        touching = 1e300
         for k in range(onset.size):
             free = _spring_force(long_term, fractions, decay, held, length[k], strain, k, 0.0)
-            touching = max(touching, onset[k] + length[k] - free / at_once)
+            touching = min(touching, onset[k] + length[k] - free / at_once)
         return touching
     step = max(abs(flat), 1e-12 * onset[-1])
     high = flat

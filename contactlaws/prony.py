@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.material import Material, problems_with
@@ -23,6 +22,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: fractions below are round-off and left out; times closer than this (relative) are one
 NEGLIGIBLE, SAME_TIME = 1e-13, 1e-9
+#: no zero is as near its pole, over the pole: about the smallest fraction times the smallest relative distance of two times
+NEAREST = 1e-30
 
 
 class Relaxation(NamedTuple):
@@ -48,16 +49,17 @@ class Relaxation(NamedTuple):
         return np.asarray(self.instantaneous * (1.0 + (np.array(self.fractions) * np.expm1(-past)).sum(axis=-1)))
 
     def creep(self) -> Creep:
-        """The compliance of the same material."""
-        m, tau = self.instantaneous * np.array(self.fractions), np.array(self.times)
+        """The compliance of the same material; terms of no size are left out. Raises `InputError`."""
+        require(problems_with_modulus(self))
+        kept = [(self.instantaneous * g, t) for g, t in zip(self.fractions, self.times, strict=True) if g > 0.0]
+        m, tau = np.array(kept).reshape(-1, 2).T
 
-        def zero(t: float) -> float:
-            return self.long_term - float((m * tau / (t - tau)).sum())
+        def rising(t: float, beyond: FloatArray) -> float:
+            return self.long_term - float((m * tau / beyond).sum())
 
-        ends = [*self.times[1:], 2.0 * float(tau.max(initial=0.0) + (m * tau).sum() / self.long_term)]
-        found = [_root(zero, low, high) for low, high in zip(self.times, ends, strict=True)]
-        jumps = [1.0 / (t * float((m * tau / (t - tau) ** 2).sum())) for t in found]
-        return Creep(1.0 / self.instantaneous, tuple(jumps), tuple(found))
+        ends = [*tau[1:].tolist(), 2.0 * float(tau.max(initial=0.0) + (m * tau).sum() / self.long_term)]
+        jumps, times = _terms(rising, m * tau, tau, list(zip(tau.tolist(), ends[: tau.size], strict=True)))
+        return Creep(1.0 / self.instantaneous, jumps, times)
 
     def scaled(self, factor: float) -> Relaxation:
         """This modulus times a number."""
@@ -78,15 +80,15 @@ class Creep(NamedTuple):
 
     def relaxation(self) -> Relaxation:
         """The modulus of the same material."""
-        j, late = np.array(self.jumps), np.array(self.times)
+        kept = [(jump, t) for jump, t in zip(self.jumps, self.times, strict=True) if jump > 0.0]
+        j, late = np.array(kept).reshape(-1, 2).T
 
-        def zero(t: float) -> float:
-            return float((j * t / (late - t)).sum() - self.instantaneous)
+        def rising(t: float, beyond: FloatArray) -> float:
+            return -t * float((j / beyond).sum()) - self.instantaneous
 
-        starts = [0.5 * float(late.min(initial=1.0)) * self.instantaneous / (self.instantaneous + math.fsum(self.jumps)), *self.times[:-1]]
-        found = [_root(zero, low, high) for low, high in zip(starts[: len(self.times)], self.times, strict=True)]
-        moduli = [1.0 / (t * float((j * late / (late - t) ** 2).sum())) for t in found]
-        return series(1.0 / self.instantaneous, [m * self.instantaneous for m in moduli], found)
+        first = 0.5 * float(late.min(initial=1.0)) * self.instantaneous / (self.instantaneous + math.fsum(self.jumps))
+        moduli, times = _terms(rising, j * late, late, list(zip([first, *late[:-1].tolist()], late.tolist(), strict=False)))
+        return series(1.0 / self.instantaneous, [m * self.instantaneous for m in moduli], times)
 
     def scaled(self, factor: float) -> Creep:
         """This compliance times a number."""
@@ -100,18 +102,34 @@ class Creep(NamedTuple):
         return Creep(self.instantaneous + other.instantaneous, jumps, times)
 
 
-def _root(rising: Callable[[float], float], low: float, high: float) -> float:
-    """The zero between two poles (or one pole and a bound beyond the zero), by the logarithm of the distance from the nearer one."""
-    width = high - low
-    near_low = rising(low + 0.5 * width) > 0.0
+def _terms(
+    rising: Callable[[float, FloatArray], float], weights: FloatArray, poles: FloatArray, intervals: Sequence[tuple[float, float]]
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Sizes and times of the reciprocal's terms: one zero in each interval. `rising` has the slope sum weights/(t - poles)^2."""
+    sizes, times = [], []
+    for low, high in intervals:
+        time, beyond = _zero(rising, poles, low, high)
+        times.append(time)
+        sizes.append(1.0 / (time * float((weights / beyond**2).sum())))
+    return tuple(sizes), tuple(times)
 
-    def place(x: float) -> float:
-        return low + width * math.exp(x) if near_low else high - width * math.exp(x)
 
-    first, last = math.log(max(1e-15, 4.0 * math.ulp(high) / width)), math.log(0.5)
-    if (rising(place(first)) > 0.0) == near_low:  # at the pole to round-off
-        return place(first)
-    return place(float(brentq(lambda x: rising(place(x)), first, last, xtol=1e-13, rtol=1e-14)))
+def _zero(rising: Callable[[float, FloatArray], float], poles: FloatArray, low: float, high: float) -> tuple[float, FloatArray]:
+    """The zero between two poles (or a bound and a pole), and how far it lies beyond each pole.
+
+    A small term's zero is so near its pole that their difference would be lost: the distance from the nearer one is what is sought.
+    """
+    from scipy.optimize import brentq  # takes a tenth of a second, which a curve without a history need not wait for
+
+    middle = 0.5 * (low + high)
+    end, side = (low, 1.0) if rising(middle, middle - poles) > 0.0 else (high, -1.0)
+
+    def place(x: float) -> tuple[float, FloatArray]:
+        away = side * math.exp(x)
+        return end + away, (end - poles) + away
+
+    first, last = math.log(NEAREST * end), math.log(0.75 * (high - low))  # beyond the middle, which round-off moves
+    return place(float(brentq(lambda x: rising(*place(x)), first, last, xtol=1e-13, rtol=1e-14)))
 
 
 def _merged(sizes: Sequence[float], times: Sequence[float]) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -205,7 +223,10 @@ def uniaxial(modulus: Relaxation, poissons_ratio: float, constant_bulk: bool = F
 
 
 def together(one: Relaxation, two: Relaxation) -> Relaxation:
-    """The reduced modulus in Pa of two bodies in contact: 1/E* = 1/E1* + 1/E2* between operators, so their compliances add."""
+    """The reduced modulus in Pa of two bodies in contact: 1/E* = 1/E1* + 1/E2* between operators, so their compliances add.
+
+    Raises `InputError`.
+    """
     return (one.creep() + two.creep()).relaxation()
 
 
@@ -217,6 +238,14 @@ def problems_with_series(material: PronyViscoelastic) -> Iterator[Problem]:
         fractions = getattr(material, name)
         if fractions is not None:
             yield from problems_with_fractions(name, fractions, len(material.relaxation_times))
+
+
+def problems_with_modulus(modulus: Relaxation) -> Iterator[Problem]:
+    """A modulus must be positive, now and in the end."""
+    if not (math.isfinite(modulus.instantaneous) and modulus.instantaneous > 0.0):
+        yield Problem("modulus", modulus.instantaneous, "must be a positive number of Pa", "give the instantaneous one")
+    yield from problems_with_times(modulus.times)
+    yield from problems_with_fractions("fractions", modulus.fractions, len(modulus.times))
 
 
 def problems_with_times(times: Sequence[float]) -> Iterator[Problem]:

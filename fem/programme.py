@@ -92,34 +92,39 @@ def problems_with_programme(programme: Programme, radius: float) -> Iterator[Pro
         yield Problem("programme", len(programme), "never touches the body", "let an overlap or a force be positive")
 
 
+#: of more segments than `MANY` each is taken in fewer steps, but no fewer than `FEWEST`
+MANY, FEWEST = 8, 3
+
+
 class Row(NamedTuple):
     """One step of a run: where it ends, and how it is controlled."""
 
-    time: float
-    control: float  # overlap in m, or force in N
+    time: float  # s
     by_force: bool
+    target: float  # overlap in m, or force in N, at the end of the segment
+    share: float  # of the segment, done at the end of this step
     segment: int  # number of the knot it leads to
+    start: float | None  # control at the start of the segment; None: what the run has come to
 
 
-def rows(programme: Programme, shortest: float, longest: float, steps: int) -> list[Row]:
-    """The steps of a programme, from the start: `steps` a segment, even in time where the control moves.
+def rows(programme: Programme, shortest: float, steps: int) -> list[Row]:
+    """The steps of a programme: `steps` a segment (fewer where there are many), even in time where the control moves.
 
-    Where it is held they grow in proportion to the time since it began, from a hundredth of `shortest` (s) to beyond `longest` (s), the
-    shortest and longest relaxation times.
+    Where it is held they grow in proportion to the time since it began, from a hundredth of the `shortest` relaxation time (s) on.
     """
-    found = [Row(0.0, 0.0, False, 0)]
+    found: list[Row] = []
+    steps = max(FEWEST, round(steps * min(1.0, MANY / (len(programme) - 1))))
     for number, (before, knot) in enumerate(pairwise(programme), 1):
         by_force = knot.force is not None
         target = knot.force if knot.force is not None else knot.overlap
-        start = (before.force if by_force else before.overlap) if before is not START else 0.0
+        start = before.force if by_force else before.overlap
+        if before == START:
+            start = 0.0
         assert target is not None
         span = knot.time - before.time
         if start == target and span > 0.0:
-            low = min(0.01 * shortest, 0.01 * span)
-            share = np.geomspace(low, span, steps + 1) / span
+            shares = np.geomspace(min(0.01 * shortest, 0.01 * span) / span, 1.0, steps)
         else:
-            share = np.linspace(0.0, 1.0, steps + 1)[1:]
-        # a change of control begins where the other one ended, which only the run knows
-        first = target if start is None else start
-        found += [Row(before.time + span * float(s), first + (target - first) * float(s), by_force, number) for s in share]
+            shares = np.linspace(0.0, 1.0, steps + 1)[1:]
+        found += [Row(before.time + span * share, by_force, target, share, number, start) for share in shares.tolist()]
     return found

@@ -12,7 +12,7 @@ from fem.assembly import Discretisation
 from fem.branch import contact_edge
 from fem.march import extrapolated
 from fem.mesh import FloatArray, IntArray
-from fem.newton import ByOverlap, Equilibrium, Guess, Moduli, NoEquilibrium, State, Statistics
+from fem.newton import BoolArray, ByOverlap, Equilibrium, Guess, Moduli, NoEquilibrium, State, Statistics
 from fem.programme import Row
 from fem.relaxing import Relaxing
 from fem.release import Release
@@ -30,7 +30,8 @@ class TimeWalk(NamedTuple):
     force: FloatArray
     edge: FloatArray  # contact radius, to half an element
     segment: IntArray
-    by_force: FloatArray  # 1 where the force was prescribed
+    by_force: BoolArray  # the force was prescribed, not the overlap
+    control: FloatArray  # what was prescribed
     elastic: FloatArray  # force that the shape reached would have on a body without a past
     stopped: str | None
     statistics: Statistics
@@ -133,40 +134,40 @@ def walk_in_time(
     Where a step fails at last, the run ends: `stopped` says why, and all up to there is kept.
     """
     walker = _Walker(body, moduli, material)
-    found: list[tuple[float, ...]] = [(0.0,) * 7]
-    stopped = None
+    found: list[tuple[float, ...]] = [(0.0,) * 8]
+    stopped, segment, start = None, 0, 0.0
     try:
-        for before, row in zip(rows[:-1], rows[1:], strict=True):
-            _advance(walker, before, row, found, HALVINGS)
+        for row in rows:
+            if row.segment != segment:
+                reached = walker.force if row.by_force else walker.state.overlap
+                segment, start = row.segment, reached if row.start is None else row.start
+                control = start
+            before, control = control, start + row.share * (row.target - start)
+            _advance(walker, found[-1][0], row.time, before, control, row, found, HALVINGS)
             if progress:
                 progress(row.time / max(rows[-1].time, 1e-300), f"time {row.time:.4g} s of {rows[-1].time:.4g}")
     except NoEquilibrium as reason:
         stopped = f"no equilibrium found beyond {found[-1][0]:.6g} s: {reason}"
-    columns = np.array(found).T
+    time, overlap, force, edge, numbers, by_force, controls, elastic = np.array(found).T
     return TimeWalk(
-        columns[0],
-        columns[1],
-        columns[2],
-        columns[3],
-        columns[4].astype(np.int64),
-        columns[5],
-        columns[6],
-        stopped,
-        walker.solver.statistics,
+        time, overlap, force, edge, numbers.astype(np.int64), by_force > 0.0, controls, elastic, stopped, walker.solver.statistics
     )
 
 
-def _advance(walker: _Walker, before: Row, row: Row, found: list[tuple[float, ...]], halvings: int) -> None:
-    """One row, in halves where it fails."""
+def _advance(
+    walker: _Walker, begin: float, end: float, before: float, control: float, row: Row, found: list[tuple[float, ...]], halvings: int
+) -> None:
+    """From `begin` to `end` (s), the control going from `before` to `control`; in halves where that fails."""
     try:
-        walker.to(row.time - before.time, row.control, row.by_force)
+        walker.to(end - begin, control, row.by_force)
     except NoEquilibrium:
         walker.solver.statistics.rejected += 1
-        if halvings == 0 or before.by_force != row.by_force:
+        if halvings == 0:
             raise
-        middle = row._replace(time=0.5 * (before.time + row.time), control=0.5 * (before.control + row.control))
-        _advance(walker, before, middle, found, halvings - 1)
-        _advance(walker, middle, row, found, halvings - 1)
+        middle, between = 0.5 * (begin + end), 0.5 * (before + control)
+        _advance(walker, begin, middle, before, between, row, found, halvings - 1)
+        _advance(walker, middle, end, between, control, row, found, halvings - 1)
         return
     _, edge = contact_edge(walker.solver.body, walker.state)
-    found.append((row.time, walker.state.overlap, walker.force, edge, row.segment, float(row.by_force), walker.elastic_force))
+    where = (float(row.segment), float(row.by_force), control, walker.elastic_force)
+    found.append((end, walker.state.overlap, walker.force, edge, *where))
