@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -19,8 +19,7 @@ from contactlaws.version import code_version
 from fem import readout
 from fem.assembly import Discretisation, discretise
 from fem.compose import SMALLEST_ERROR, Scales, first_row, rows_with
-from fem.march import Steps
-from fem.mesh import FloatArray, spheroid
+from fem.mesh import FloatArray, IntArray, spheroid
 from fem.press import ALONG_IF_DEEP, DEEP, Progress, core_size, moduli_of, problems_with_run, resolution_for
 from fem.programme import Programme, problems_with_programme, rows
 from fem.walk import Walk, walk
@@ -79,8 +78,8 @@ def press_in_time(
     steps, and what the body on the mesh does differently from the springs on the mesh. This difference is in the provenance; `raw_force`
     is the mesh's. The contact radius is that of the springs.
 
-    Rows after the last contact are left out, unless the flat is kept touching. tolerance: on the force over its largest value. Raises `InputError` for what cannot be
-    computed; if the solver gives up on the way, the curve up to there comes back with `stopped` set.
+    Rows after the last contact are left out, unless the flat is kept touching. tolerance: on the force over its largest value. Raises
+    `InputError` for what cannot be computed; if the solver gives up on the way, the curve up to there comes back with `stopped` set.
     """
     require(problems_with_press_in_time(material, programme, radius, aspect, tolerance))
     began = time.process_time()
@@ -157,7 +156,7 @@ def elastic_contact(fine: Walk, coarse: Walk, material: PronyViscoelastic, aspec
     area_factors = np.linalg.lstsq(powers(root, AREA_POWERS), area - 1.0, rcond=None)[0]
     left = (1.0 + powers(root, FORCE_POWERS) @ force_factors) / force - 1.0
     error = max(SMALLEST_ERROR / divisions**2, 0.5 * float(np.abs(smooth.force / read[0].force - 1.0).mean()))
-    return ElasticContact(force_factors, area_factors, hertz, curvature, float(np.abs(left).max()), error)
+    return ElasticContact(np.asarray(force_factors), np.asarray(area_factors), hertz, curvature, float(np.abs(left).max()), error)
 
 
 def springs_on_mesh(run: Walk, found: TimeWalk) -> Springs:
@@ -222,10 +221,14 @@ def _composed(
     scale = Scales(radius, material.instantaneous.stress_unit)
     for name, unit in (("overlap", scale.length), ("force", scale.force), ("raw_force", scale.force), ("contact_radius", scale.length)):
         columns[name] = columns[name] * unit
-    columns, branch = _with_turns(columns)
+    order, branch = _with_turns(columns["overlap"])
     apart = _between_meshes(found, differences, top)
     return Curve(
-        **columns,
+        time=columns["time"][order],
+        overlap=columns["overlap"][order],
+        force=columns["force"][order],
+        raw_force=columns["raw_force"][order],
+        contact_radius=columns["contact_radius"][order],
         branch=branch,
         radius=radius,
         aspect=aspect,
@@ -281,19 +284,19 @@ def _with_separations(columns: dict[str, FloatArray], dense: History, times: Flo
 
 
 def _to_last_contact(columns: dict[str, FloatArray], run: TimeWalk) -> dict[str, FloatArray]:
-    """Without the rows after the body has left the flat for good, but for the first of them; a force of 0 that is prescribed is a contact."""
+    """Without the rows after the body has left the flat for good, but for the first of them. To prescribe a force of 0 is to touch."""
     last = int(np.flatnonzero(columns["force"] > 0.0)[-1]) + 2
     if run.by_force.any():
         last = max(last, int(np.searchsorted(columns["time"], run.time[run.by_force][-1], side="right")))
     return {name: values[:last] for name, values in columns.items()}
 
 
-def _with_turns(columns: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], FloatArray]:
-    """Rows with those at which the overlap turns doubled: each branch starts where the one before ends."""
-    branch = branches_in_time(columns["overlap"])
-    turns = np.flatnonzero(np.diff(branch)) + 1
-    order = np.sort(np.concatenate([np.arange(branch.size), turns - 1]))
+def _with_turns(overlap: FloatArray) -> tuple[IntArray, IntArray]:
+    """The rows in their order, those at which the overlap turns twice, and their branches: each starts where the one before ends."""
+    branch = branches_in_time(overlap)
+    turns = np.flatnonzero(np.diff(branch))
+    order = np.sort(np.concatenate([np.arange(branch.size), turns]))
     numbers = branch[order]
-    doubled = np.flatnonzero(np.diff(order) == 0) + 1
-    numbers[doubled] = branch[order[doubled] + 1]
-    return {name: values[order] for name, values in columns.items()}, numbers
+    again = np.flatnonzero(np.diff(order) == 0) + 1
+    numbers[again] = branch[order[again] + 1]
+    return order, numbers
