@@ -124,6 +124,11 @@ def reference(
     radius: Annotated[str, option("Half the height of the body, such as '5 um'; 1 m without it.")] = "1",
     aspect: Annotated[str, option("Equatorial semi-axis over radius; 1 is a sphere.")] = "1",
     profile: Annotated[Path | None, option("POINTS.csv: columns r,z in m, pole to mid-plane; any body of revolution (gmsh).")] = None,
+    prony: Annotated[Path | None, option("SERIES.csv: a viscoelastic body; with --ramp (--hold, --release) or --programme.")] = None,
+    ramp: Annotated[Text, option("With --prony: time to --max-overlap, such as '1 s'.")] = None,
+    hold: Annotated[Text, option("With --prony: time to stay there.")] = None,
+    release: Annotated[Text, option("With --prony: time to go back to overlap 0; with --unload-from as long as the ramp.")] = None,
+    programme: Annotated[Path | None, option("With --prony: KNOTS.csv with time,overlap,force in s, m, N; one of the two a row.")] = None,
     unload_from: Annotated[list[str] | None, option("D1 D2 ...: overlaps over radius to unload from.")] = None,
     max_overlap: Annotated[Text, option("Largest overlap over radius; default: the largest of --unload-from.")] = None,
     tolerance: Annotated[str, option("Relative error asked for; 0.01 without it.")] = "0.01",
@@ -143,7 +148,18 @@ def reference(
         "radius": radius,
     }
     values |= {"aspect": aspect, "unload_from": unload_from or [], "max_overlap": max_overlap, "tolerance": tolerance}
-    stopped = single.reference(_given(values), out, fields, profile)
+    in_time = {"ramp": ramp, "hold": hold, "release": release, "programme": programme}
+    if prony is not None:
+        from cases.reference_in_time import reference_in_time
+
+        for name, file in (("--fields", fields), ("--profile", profile)):
+            if file is not None:
+                _refuse(name, str(file), "is not there for viscoelastic bodies", "leave it out")
+        stopped = reference_in_time(_given(values | in_time), prony, programme, out)
+    else:
+        for name in _given(in_time):
+            _refuse(f"--{name}", in_time[name], "is for viscoelastic bodies", "give --prony too, or leave it out")
+        stopped = single.reference(_given(values), out, fields, profile)
     if stopped:
         print(f"fe2dem: stopped early: {stopped}; the curve up to there is in {out}", file=sys.stderr)
         raise typer.Exit(FAILED)

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from cases.batch.store import problems_with_writing
 from cases.casefile import units
-from cases.casefile.schema import CurveOptions, Impact, Sample
+from cases.casefile.schema import CurveOptions, Impact, InTime, Sample
 from cases.casefile.validation import validated
 from contactlaws.errors import InputError, Problem
 
@@ -27,7 +27,7 @@ def checked(model: type[M], values: Mapping[str, Any]) -> tuple[M | None, list[P
 
 def in_words_of_options(problems: Sequence[Problem]) -> list[Problem]:
     """Field names as options: youngs_modulus is --youngs-modulus on the command line."""
-    options = {*CurveOptions.model_fields, *Impact.model_fields, *Sample.model_fields, "law", "quantity"}
+    options = {*CurveOptions.model_fields, *InTime.model_fields, *Impact.model_fields, *Sample.model_fields, "law", "quantity"}
     return [
         problem._replace(name="--" + problem.name.removeprefix("--").replace("_", "-"))
         if problem.name.removeprefix("--").split("[")[0] in options

@@ -127,7 +127,7 @@ def compose(
     errors = {"force": _relative(rows.force, own.force, least)}
     errors |= {"contact_radius": _relative(rows.contact_radius, own.contact_radius, least)}
     errors |= _branch_errors(branches, errors["force"], divisions)
-    columns = {
+    columns: dict[str, Any] = {
         "overlap": np.concatenate([[0.0], overlap, *(np.maximum(u.overlap, 0.0) for u in unloads)]) * scale.length,
         "force": np.concatenate([[0.0], rows.force, *(u.force for u in unloads)]) * scale.force,
         "raw_force": np.concatenate([[0.0], _raw_force(fine, overlap), *(u.raw_force for u in unloads)]) * scale.force,

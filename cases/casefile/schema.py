@@ -17,6 +17,7 @@ Modulus = Annotated[float, in_unit("Pa"), _positive]
 Length = Annotated[float, in_unit("m"), _positive]
 Density = Annotated[float, in_unit("kg/m^3"), _positive]
 Speed = Annotated[float, in_unit("m/s"), _positive]
+Duration = Annotated[float, in_unit("s"), Field(ge=0, allow_inf_nan=False)]
 Rate = Annotated[float, in_unit("1/s"), _positive]
 #: overlap over radius; the body ends at 1, and runs to 0.5 are verified
 Depth = Annotated[float, in_unit(""), Field(gt=0, lt=1, allow_inf_nan=False)]
@@ -79,6 +80,23 @@ class CurveTable(Body):
 
 class CurveOptions(Body, MaterialTable):
     """The options of `fe2dem reference`."""
+
+
+class InTime(Record):
+    """The options of `fe2dem reference --prony`."""
+
+    youngs_modulus: Modulus | None = Field(None, description="instantaneous Young's modulus, such as '1.77 GPa'")
+    poissons_ratio: Annotated[float, in_unit("")] | None = Field(
+        None, ge=0, lt=0.5, allow_inf_nan=False, description="instantaneous Poisson's ratio, such as 0.43"
+    )
+    radius: Length = Field(description="half the height of the body, such as '5 um'")
+    aspect: Aspect = Field(1.0, description="equatorial semi-axis over radius; 1 is a sphere")
+    max_overlap: Depth | None = Field(None, description="overlap over radius at the end of the ramp")
+    unload_from: tuple[Depth, ...] = Field((), description="the same, of a body that is released from there")
+    ramp: Duration | None = Field(None, description="time to get there, such as '1 s'")
+    hold: Duration = Field(0.0, description="time to stay there, such as '10 s'")
+    release: Duration | None = Field(None, description="time to go back to overlap 0, such as '1 s'")
+    tolerance: Tolerance = Field(0.01, description="error asked for, over the largest force")
 
 
 class Sample(Record):

@@ -9,7 +9,7 @@ from typing import Any
 from contactlaws.errors import InputError, Problem
 
 #: an example for each SI unit that inputs come in, shown in remedies
-EXAMPLES = {"Pa": "142 GPa", "m": "5 um", "kg/m^3": "4750 kg/m^3", "m/s": "0.5 m/s", "1/s": "10 1/s", "": "0.25"}
+EXAMPLES = {"Pa": "142 GPa", "m": "5 um", "kg/m^3": "4750 kg/m^3", "m/s": "0.5 m/s", "1/s": "10 1/s", "s": "1 s", "": "0.25"}
 
 
 @functools.cache
