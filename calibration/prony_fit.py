@@ -30,7 +30,8 @@ def fit_prony(table: PronyTable, terms: int | None = None, noise: float | None =
     the series with most terms leaves over, per degree of freedom. Standard errors are those of the given noise, widened where the
     differences exceed it; if none was given, those that the differences show. What they don't cover: that the number of terms was chosen.
 
-    Raises `InputError` for more terms than the table has numbers for, or a noise that is not positive or stated twice.
+    Raises `InputError` for more terms than the table has numbers for, a noise that is not positive or stated twice, and numbers that are
+    not positive where no error is stated.
     """
     require(_problems(table, terms, noise))
     target = _target(table)
@@ -51,6 +52,11 @@ def _problems(table: PronyTable, terms: int | None, noise: float | None) -> Iter
     if terms is not None and not 0 <= terms <= most_terms(table.values.size):
         bound = f"must lie between 0 and {most_terms(table.values.size)} for {table.values.size} numbers"
         yield Problem("terms", terms, bound, "ask for fewer, or leave it out")
+    if table.errors is None and not (table.values > 0.0).all():
+        first = int(np.argmin(table.values > 0.0))
+        yield Problem(
+            f"values[{first + 1}]", table.values[first], "must be positive, as noise is a share of it", "leave it out, or state errors"
+        )
     if noise is not None and not 0.0 < noise < 1.0:
         yield Problem("noise", noise, "must lie between 0 and 1", "0.01 is 1 % of each number")
     elif noise is not None and table.errors is not None:

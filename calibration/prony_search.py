@@ -29,7 +29,7 @@ ROUND_OFF = 1e-9
 #: the search ends when so many further terms in a row were not worth their parameters
 PATIENCE = 3
 #: relative change of the sum of squares at which a start is compared with others, and at which the best of them ends
-ROUGH, EXACT = 1e-3, 1e-13
+ROUGH, EXACT = 1e-2, 1e-10
 MOST_STEPS = 200
 
 
@@ -75,17 +75,16 @@ def search(target: Target, window: tuple[float, float], terms: int | None = None
     amplitudes, _ = spectrum(target, places)
     lines = [(float(a), float(t)) for a, t in zip(amplitudes[1:], places, strict=True) if a > 0.0]
     data = target.values.size
-    most = most_terms(data) if terms is None else terms
     found: list[Found] = []
     worths: list[float] = []
-    for number in range(most + 1):
+    for number in range(most_terms(data) + 1):
         starts = _starts(target, window, lines, number, found[-1] if found else None)
         roughly = min((_refined(target, window, start, ROUGH) for start in starts), key=lambda one: one.squares)
         exactly = _refined(target, window, roughly.times, EXACT)
         found.append(min([exactly, roughly, *found[-1:]], key=lambda one: one.squares))
         squares = max(found[-1].squares, ROUND_OFF**2 * float(target.goal @ target.goal))
         worths.append(data * np.log(squares) + unknowns(number) * np.log(data))
-        if terms is None and number - int(np.argmin(worths)) >= PATIENCE:
+        if number >= (terms or 0) and number - int(np.argmin(worths)) >= PATIENCE:
             break
     return found
 
