@@ -78,8 +78,10 @@ class PronyFit:
             first, *rest = numbers.tolist()
             return quantities(Relaxation(first, tuple(rest[: self.terms]), tuple(rest[self.terms :])))
 
-        slope = slopes(at, self.values, steps)
-        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", slope, self.covariance, slope)))
+        spread = np.sqrt(np.diag(self.covariance))
+        squares, directions = np.linalg.eigh(self.correlation)  # round-off makes no variance negative
+        slope = slopes(at, self.values, steps) * spread
+        return np.asarray(np.linalg.norm(slope @ directions * np.sqrt(np.maximum(squares, 0.0)), axis=1))
 
     def material(self, poissons_ratio: float, constant_bulk: bool = False) -> PronyViscoelastic:
         """The material with this modulus; poissons_ratio: the instantaneous one. See `contactlaws.prony.uniaxial`.
