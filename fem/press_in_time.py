@@ -19,7 +19,9 @@ from contactlaws.version import code_version
 from fem import readout
 from fem.assembly import Discretisation, discretise
 from fem.compose import SMALLEST_ERROR, Scales, first_row, rows_with
+from fem.march import extrapolated
 from fem.mesh import FloatArray, IntArray, spheroid
+from fem.newton import ByOverlap, Equilibrium, Moduli
 from fem.press import ALONG_IF_DEEP, DEEP, Progress, core_size, moduli_of, problems_with_run, resolution_for
 from fem.programme import Programme, problems_with_programme, rows
 from fem.walk import Walk, walk
@@ -42,13 +44,15 @@ class ElasticContact(NamedTuple):
     area_factors: FloatArray  # area over pi R d, less 1
     hertz: float  # Hertz's force at overlap 1
     curvature: float  # radius at the pole
-    misfit: float  # of these polynomials to the readout, at worst
+    rest: PchipInterpolator  # what the readout's force is above this, less 1, over the logarithm of the overlap; it begins at `first`
+    first: float
     error: float  # of the readout's force
 
     def force(self, overlap: FloatArray) -> FloatArray:
         """Force at overlaps from 0 on."""
         root = np.sqrt(np.maximum(overlap, 0.0))
-        return self.hertz * root**3 * (1.0 + powers(root, FORCE_POWERS) @ self.force_factors)
+        rest = self.rest(np.log(np.maximum(overlap, self.first))) * np.minimum(1.0, root / np.sqrt(self.first))
+        return np.asarray(self.hertz * root**3 * (1.0 + powers(root, FORCE_POWERS) @ self.force_factors) * (1.0 + rest))
 
     def contact_radius(self, overlap: FloatArray) -> FloatArray:
         """Contact radius at overlaps from 0 on."""
@@ -145,7 +149,7 @@ def _part(progress: Progress | None, number: int) -> Progress | None:
 def elastic_contact(fine: Walk, coarse: Walk, material: PronyViscoelastic, aspect: float, divisions: int, largest: float) -> ElasticContact:
     """Smooth elastic contact from the landings of two meshes (see `fem.readout`), with Hertz's limit at overlap 0."""
     first, last = first_row(fine, coarse, divisions), min(run.landing_overlap[-1] for run in (fine, coarse))
-    overlap = np.geomspace(first, min(largest, last), 60)
+    overlap = np.geomspace(first, last, 60)
     read = [readout.reader(run, rows_with(run, n // 2 + 1))(overlap) for run, n in ((fine, divisions), (coarse, divisions // 2))]
     smooth, root = readout.extrapolated(*read), np.sqrt(overlap)
     at_once = material.instantaneous
@@ -154,19 +158,39 @@ def elastic_contact(fine: Walk, coarse: Walk, material: PronyViscoelastic, aspec
     force, area = smooth.force / (hertz * root**3), smooth.contact_radius**2 / (curvature * overlap)
     force_factors = np.linalg.lstsq(powers(root, FORCE_POWERS) / force[:, None], (force - 1.0) / force, rcond=None)[0]
     area_factors = np.linalg.lstsq(powers(root, AREA_POWERS), area - 1.0, rcond=None)[0]
-    left = (1.0 + powers(root, FORCE_POWERS) @ force_factors) / force - 1.0
+    rest = PchipInterpolator(np.log(overlap), force / (1.0 + powers(root, FORCE_POWERS) @ force_factors) - 1.0)
     error = max(SMALLEST_ERROR / divisions**2, 0.5 * float(np.abs(smooth.force / read[0].force - 1.0).mean()))
-    return ElasticContact(np.asarray(force_factors), np.asarray(area_factors), hertz, curvature, float(np.abs(left).max()), error)
+    return ElasticContact(np.asarray(force_factors), np.asarray(area_factors), hertz, curvature, rest, float(overlap[0]), error)
 
 
-def springs_on_mesh(run: Walk, found: TimeWalk) -> Springs:
+def springs_on_mesh(body: Discretisation, material: PronyViscoelastic, run: Walk, found: TimeWalk) -> Springs:
     """Springs that touch where nodes land, and where a step of the growing contact ended; their elastic force is that of the mesh."""
-    known = PchipInterpolator(np.log(run.path_overlap), np.log(run.path_force))
-    grown = found.overlap[found.overlap > np.concatenate([[0.0], np.maximum.accumulate(found.overlap)[:-1]])]
-    inside = run.path_overlap[run.path_overlap < found.overlap.max()]
-    overlap = np.unique(np.concatenate([inside, grown]))
-    overlap = overlap[np.concatenate([[True], np.diff(overlap) > 1e-9 * overlap[1:]])]
-    return springs_through(np.concatenate([[0.0], overlap]), np.concatenate([[0.0], np.exp(known(np.log(overlap)))]))
+    grown = np.flatnonzero(found.overlap > np.concatenate([[0.0], np.maximum.accumulate(found.overlap)[:-1]]))
+    if material.bulk_fractions is None:  # the body takes on the elastic shapes
+        force = found.elastic[grown]
+    else:
+        force = elastic_forces(body, moduli_of(material.instantaneous), found.overlap[grown])
+    inside = run.path_overlap < found.overlap.max()
+    overlap = np.concatenate([[0.0], found.overlap[grown], run.path_overlap[inside]])
+    force = np.concatenate([[0.0], force, run.path_force[inside]])
+    order = np.argsort(overlap)
+    overlap, force = overlap[order], force[order]
+    apart = np.concatenate([[True], np.diff(overlap) > 1e-3 * overlap[1:]])
+    return springs_through(overlap[apart], force[apart])
+
+
+def elastic_forces(body: Discretisation, moduli: Moduli, overlaps: FloatArray) -> FloatArray:
+    """Force of the elastic body at rising overlaps."""
+    solver = Equilibrium(body, moduli)
+    states, force = [solver.start()], np.empty(overlaps.size)
+    for row, overlap in enumerate(overlaps.tolist()):
+        before, state = states[-2:] if len(states) > 1 else (None, states[-1])
+        guess = None
+        if before is not None:
+            guess = extrapolated(solver, before, state, (overlap - state.overlap) / (state.overlap - before.overlap))
+        states.append(solver.step(state, ByOverlap(overlap), state.force, guess))
+        force[row] = states[-1].force
+    return force
 
 
 def finer(values: FloatArray) -> FloatArray:
@@ -204,8 +228,10 @@ def _composed(
     dense = smooth_history(springs_of(contact.force, 1.2 * most, SPRINGS), modulus, fine)
     top = float(dense.force.max())
     differences = []
-    for run, own in zip(elastic, found, strict=True):
-        meshed = follow(springs_on_mesh(run, own), modulus, own.time, np.where(own.by_force, own.control, own.overlap), own.by_force)
+    for body, run, own in zip(bodies, elastic, found, strict=True):
+        meshed = follow(
+            springs_on_mesh(body, material, run, own), modulus, own.time, np.where(own.by_force, own.control, own.overlap), own.by_force
+        )
         differences.append((own.force - meshed.force, own.overlap - meshed.overlap))
     force = np.where(fine.by_force, fine.control, np.maximum(0.0, dense.force[::FINER] + differences[1][0]))
     force[~fine.by_force & (dense.force[::FINER] <= 0.0)] = 0.0
@@ -235,7 +261,7 @@ def _composed(
         material=material.instantaneous,
         series=material,
         in_time=True,
-        errors={"force": contact.error + contact.misfit + apart, "contact_radius": 1.0 / bodies[1].section.surface.size},
+        errors={"force": contact.error + apart, "contact_radius": 1.0 / bodies[1].section.surface.size},
         stopped=fine.stopped,
         provenance={
             "code": code_version(),
@@ -248,7 +274,6 @@ def _composed(
                 "overlap": float(np.abs(differences[1][1]).max() / most),
                 "between_meshes": apart,
             },
-            "elastic_misfit": contact.misfit,
             "cpu_seconds": time.process_time() - began,
         },
     )
