@@ -1,6 +1,9 @@
 """What any contact law must satisfy, a user's own too: `check` puts a law through it and says what it found.
 
 failed = [finding for finding in check(law, max_overlap=0.1 * law.radius) if not finding.passed]
+
+A law whose force depends on time (`Law.in_time`) is taken along its random paths at speeds of many decades, and kept waiting; what compares
+forces at one overlap (continuity, reloading, stiffness) is asked of steps that take no time, in which nothing relaxes and no damper acts.
 """
 
 from __future__ import annotations
@@ -15,12 +18,10 @@ import numpy.typing as npt
 
 from contactlaws import dispatch, pair
 from contactlaws.errors import InputError, Problem
-from contactlaws.path import Scan, scan, trace
+from contactlaws.path import scan, trace
+from contactlaws.travel import INTEGRATION, Trip, at_once, random_trip, random_turns
 
 FloatArray = npt.NDArray[np.float64]
-
-#: work along a path is integrated until the trapezoids' error is below this part of it, and compared to ten times that
-INTEGRATION = 1e-6
 
 
 class Finding(NamedTuple):
@@ -33,19 +34,12 @@ class Finding(NamedTuple):
     meaning: str  # of `worst`
 
 
-class Trip(NamedTuple):
-    """A path with everything the law does on it, and the work done on the body up to each row."""
-
-    overlap: FloatArray
-    scan: Scan
-    work: FloatArray
-
-
-def check(law: Any, max_overlap: float, paths: int = 12, seed: int = 0) -> list[Finding]:
+def check(law: Any, max_overlap: float, paths: int = 12, seed: int = 0, duration: float = 1.0) -> list[Finding]:
     """Put `law` through all checks at overlaps up to `max_overlap` (m), on `paths` random paths.
 
-    The law must be rate-independent for the continuity and reloading checks to make sense. Raises `InputError` for a law that is not
-    registered or a range that is not positive.
+    duration: time in s that matters to a law in time, such as a relaxation time: a path goes from turn to turn in a thousandth to a
+    thousand times of it. No other law is asked for time. Raises `InputError` for a law that is not registered, or a range or duration
+    that is not positive.
 
     >>> from contactlaws.elastic import Hertz
     >>> all(finding.passed for finding in check(Hertz(5e-6, 151.47e9), 5e-7))
@@ -54,13 +48,15 @@ def check(law: Any, max_overlap: float, paths: int = 12, seed: int = 0) -> list[
     dispatch.law_of(law)
     if not (np.isfinite(max_overlap) and max_overlap > 0.0):
         raise InputError(Problem("max_overlap", max_overlap, "must be positive", "give the largest overlap the law is meant for, in m"))
+    if not (np.isfinite(duration) and duration > 0.0):
+        raise InputError(Problem("duration", duration, "must be positive", "give a time that matters to the law, in s"))
     random = np.random.default_rng(seed)
     with np.errstate(divide="ignore", invalid="ignore"):  # a law without force where there should be one fails by comparison with NaN
-        return _findings(law, max_overlap, paths, random)
+        return _findings(law, max_overlap, paths, random, duration)
 
 
-def _findings(law: Any, max_overlap: float, paths: int, random: np.random.Generator) -> list[Finding]:
-    trips = [travel(law, random_turns(random, max_overlap)) for _ in range(paths)]
+def _findings(law: Any, max_overlap: float, paths: int, random: np.random.Generator, duration: float) -> list[Finding]:
+    trips = [random_trip(law, random_turns(random, max_overlap), random, duration) for _ in range(paths)]
     return [
         _no_force_without_overlap(law, max_overlap),
         _finite(trips),
@@ -69,46 +65,13 @@ def _findings(law: Any, max_overlap: float, paths: int, random: np.random.Genera
         _unloading_starts_on_the_loading(law, max_overlap),
         _reloading_returns_to_the_loading(law, max_overlap),
         _work_is_accounted_for(trips),
-        _nothing_undissipated(trips),
-        _no_energy_from_closed_paths(law, random, max_overlap, paths),
+        _nothing_undissipated(law, trips),
+        _no_energy_from_closed_paths(law, random, max_overlap, paths, duration),
         _stiffness_is_bounded(law, trips),
-        _compiled_equals_interpreted(law, trips[0].overlap),
-        _pair_is_symmetric(law, max_overlap),
-        _pair_is_two_bodies(law, max_overlap),
+        _compiled_equals_interpreted(law, trips[0]),
+        _pair_is_symmetric(law, max_overlap, duration),
+        _pair_is_two_bodies(law, max_overlap, duration),
     ]
-
-
-def random_turns(random: np.random.Generator, max_overlap: float, turns: int = 8) -> FloatArray:
-    """Overlaps at which a path turns: large, small, and now and then with the contact open; from 0 to 0."""
-    depths = np.where(random.random(turns) < 0.5, random.random(turns), 10.0 ** random.uniform(-4.0, 0.0, turns)) * max_overlap
-    depths[random.random(turns) < 0.1] = -0.01 * max_overlap
-    return np.concatenate(([0.0], depths, [0.0]))
-
-
-def travel(law: Any, turns: npt.ArrayLike) -> Trip:
-    """Follow the law from turn to turn, with rows put in until the work is known to `INTEGRATION`."""
-    turns = np.asarray(turns, dtype=np.float64)
-    path = np.concatenate([np.linspace(a, b, 33)[:-1] for a, b in zip(turns[:-1], turns[1:], strict=True)] + [turns[-1:]])
-    for _ in range(24):
-        finer = np.empty(2 * path.size - 1)
-        finer[::2], finer[1::2] = path, 0.5 * (path[1:] + path[:-1])
-        force = trace(law, finer, _times(law, finer)).force
-        steps = np.diff(path)
-        error = abs(steps * (0.5 * (force[:-2:2] + force[2::2]) - force[1::2]))
-        work = np.sum(abs(steps * force[1::2]))
-        if error.sum() <= INTEGRATION * work or finer.size > 100_000:
-            break
-        keep = np.ones(finer.size, dtype=bool)
-        keep[1::2] = error > 0.1 * INTEGRATION * work / error.size
-        path = finer[keep]
-    found = scan(law, finer, _times(law, finer))
-    steps = np.diff(finer)
-    return Trip(finer, found, np.concatenate(([0.0], np.cumsum(0.5 * steps * (found.force[1:] + found.force[:-1])))))
-
-
-def _times(law: Any, path: FloatArray) -> FloatArray:
-    """At constant speed, so that rows put in do not change the rates."""
-    return np.concatenate(([0.0], np.cumsum(abs(np.diff(path))))) / law.radius
 
 
 def _finding(name: str, worst: float, bound: float, meaning: str) -> Finding:
@@ -120,7 +83,8 @@ def _largest(values: Iterator[Any]) -> float:
 
 
 def _no_force_without_overlap(law: Any, max_overlap: float) -> Finding:
-    found = trace(law, np.array([0.0, -0.5, -1e-9, 1e-9, 1.0, 0.0, -1e-3]) * max_overlap)
+    path = np.array([0.0, -0.5, -1e-9, 1e-9, 1.0, 0.0, -1e-3]) * max_overlap
+    found = trace(law, path, np.zeros(path.size))
     open_rows = [0, 1, 2, 5, 6]
     worst = max(abs(found.force[open_rows]).max() / found.force[4], found.force[3] / found.force[4] / 1e-6)
     forgets = not found.states.size or not found.states[open_rows].any()
@@ -148,7 +112,7 @@ def _no_tension(trips: list[Trip]) -> Finding:
 def _loading_is_continuous(law: Any, max_overlap: float) -> Finding:
     """Jumps hide between rows: halve the intervals of steepest rise until only a jump can be left."""
     path = np.geomspace(1e-6, 1.0, 2001) * max_overlap
-    rise = np.diff(np.log(np.maximum(trace(law, path).force, 1e-300)))
+    rise = np.diff(np.log(np.maximum(at_once(law, path), 1e-300)))
     worst = 0.0
     for i in np.argsort(-abs(rise))[:10]:
         low, high = path[i], path[i + 1]
@@ -156,9 +120,9 @@ def _loading_is_continuous(law: Any, max_overlap: float) -> Finding:
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 break
-            below, at, above = trace(law, np.array([low, middle, high])).force
+            below, at, above = at_once(law, [low, middle, high])
             low, high = (low, middle) if abs(at - below) > abs(above - at) else (middle, high)
-        below, above = trace(law, np.array([low, high])).force
+        below, above = at_once(law, [low, high])
         worst = max(worst, abs(above - below) / max(abs(above), 1e-300))
     return _finding("loading is continuous", worst, 1e-9, "largest relative jump of the force, at yield or elsewhere")
 
@@ -167,7 +131,7 @@ def _unloading_starts_on_the_loading(law: Any, max_overlap: float) -> Finding:
     worst = 0.0
     for top in np.geomspace(1e-4, 1.0, 25) * max_overlap:
         step = 1e-9 * top
-        at, after = trace(law, np.array([top, top - step])).force
+        at, after = at_once(law, [top, top - step])
         worst = max(worst, (at - after) / (dispatch.stiffness_bound(law, top) * step + 1e-14 * at), (after - at) / at / 1e-14)
     return _finding("unloading starts on the loading", worst, 1.0 + 1e-4, "drop of the force over what the stiffness bound allows")
 
@@ -175,8 +139,8 @@ def _unloading_starts_on_the_loading(law: Any, max_overlap: float) -> Finding:
 def _reloading_returns_to_the_loading(law: Any, max_overlap: float) -> Finding:
     worst = 0.0
     for top in np.geomspace(1e-4, 0.8, 25) * max_overlap:
-        virgin = trace(law, np.array([top, 1.2 * top])).force
-        again = trace(law, np.array([top, 0.99 * top, 0.5 * top, 0.995 * top, top, 1.2 * top])).force[-2:]
+        virgin = at_once(law, [top, 1.2 * top])
+        again = at_once(law, [top, 0.99 * top, 0.5 * top, 0.995 * top, top, 1.2 * top])[-2:]
         worst = max(worst, np.max(abs(again / virgin - 1.0)))
     return _finding(
         "reloading returns to the loading", worst, 1e-12, "relative difference of the force, at and beyond the overlap of unloading"
@@ -188,22 +152,27 @@ def _work_is_accounted_for(trips: list[Trip]) -> Finding:
     return _finding("work is stored or dissipated", _largest(differences), 10.0 * INTEGRATION, "difference over all work on the path")
 
 
-def _nothing_undissipated(trips: list[Trip]) -> Finding:
+def _nothing_undissipated(law: Any, trips: list[Trip]) -> Finding:
+    """A law in time knows its energy by the work that was done on it, which is known to `INTEGRATION`."""
     falls = (-np.diff(trip.scan.dissipated_energy) / _scale(trip) for trip in trips)
-    return _finding("dissipation never falls", _largest(falls), 1e-12, "largest fall over all work on the path")
+    bound = 10.0 * INTEGRATION if dispatch.law_of(law).in_time else 1e-12
+    return _finding("dissipation never falls", _largest(falls), bound, "largest fall over all work on the path")
 
 
 def _scale(trip: Trip) -> float:
     return max(float(np.sum(abs(np.diff(trip.work)))), 1e-300)
 
 
-def _no_energy_from_closed_paths(law: Any, random: np.random.Generator, max_overlap: float, paths: int) -> Finding:
-    """Closed loops within a history: back at the overlap they started from, they may give back no more than the stored energy fell by."""
+def _no_energy_from_closed_paths(law: Any, random: np.random.Generator, max_overlap: float, paths: int, duration: float) -> Finding:
+    """Closed loops within a history: back at the overlap they started from, they may give back no more than the stored energy fell by;
+    and nothing may give back more than was ever put in.
+    """
     worst = 0.0
     for _ in range(paths):
         start = max_overlap * 10.0 ** random.uniform(-2.0, 0.0)
         loop = start * random.uniform(0.2, 1.5, 3).clip(max=max_overlap / start)
-        trip = travel(law, np.concatenate(([0.0, start * random.uniform(1.0, max_overlap / start)], [start], loop, [start])))
+        turns = np.concatenate(([0.0, start * random.uniform(1.0, max_overlap / start)], [start], loop, [start]))
+        trip = random_trip(law, turns, random, duration)
         last, first = trip.overlap.size - 1, _last_before(trip.overlap, start)
         gained = (trip.scan.stored_energy[last] - trip.scan.stored_energy[first]) - (trip.work[last] - trip.work[first])
         worst = max(worst, gained / _scale(trip), float(np.max(-trip.work)) / _scale(trip))
@@ -219,6 +188,8 @@ def _last_before(path: FloatArray, start: float) -> int:
 
 def _stiffness_is_bounded(law: Any, trips: list[Trip]) -> Finding:
     """Secants between rows over the bound at the largest overlap so far; rows closer than round-off can tell are left out."""
+    if dispatch.law_of(law).in_time:
+        return _finding("stiffness bound holds", _largest(_jumps(law, trip) for trip in trips), 1.0 + 1e-6, _STIFFNESS)
     worst = 0.0
     for trip in trips:
         step, rise = np.diff(trip.overlap), np.diff(trip.scan.force)
@@ -229,7 +200,30 @@ def _stiffness_is_bounded(law: Any, trips: list[Trip]) -> Finding:
         bounds = np.array([dispatch.stiffness_bound(law, top) for top in tops[rows]])
         above = np.searchsorted(rows, place).clip(max=rows.size - 1)  # the next overlap with a known bound: not below the right one
         worst = max(worst, float(np.max(abs(rise[keep] / step[keep]) / np.maximum.accumulate(bounds)[above], initial=0.0)))
-    return _finding("stiffness bound holds", worst, 1.0 + 1e-6, "largest stiffness over the bound")
+    return _finding("stiffness bound holds", worst, 1.0 + 1e-6, _STIFFNESS)
+
+
+_STIFFNESS = "largest stiffness over the bound"
+
+
+def _jumps(law: Any, trip: Trip) -> FloatArray:
+    """What two sudden steps, a little apart, change in the force after some 50 rows of a trip, over the bound.
+
+    Two steps and not one, since a damper's force ends with its rate.
+    """
+    rows = np.unique(np.linspace(1, trip.overlap.size - 1, 50).astype(int))
+    largest = np.maximum.accumulate(trip.overlap)
+    found = [0.0]
+    for row in rows[trip.overlap[rows] > 0.0]:
+        near, far = trip.overlap[row] * np.array([1.0, 1.0001 if row % 2 else 0.9999])
+        forces = [_one_step(law, overlap, trip.scan.states[row]) for overlap in (near, far)]
+        found.append((forces[1] - forces[0]) / (far - near) / dispatch.stiffness_bound(law, max(largest[row], far)))
+    return np.array(found)
+
+
+def _one_step(law: Any, overlap: float, state: FloatArray) -> float:
+    """Force in N after a step from a state that is left as it is."""
+    return float(trace(law, [overlap], [0.0], tuple(state)).force[0])
 
 
 def interpreted(function: Any) -> Callable[..., Any]:
@@ -251,17 +245,19 @@ def interpreted(function: Any) -> Callable[..., Any]:
     return convert(function)
 
 
-def _compiled_equals_interpreted(law: Any, path: FloatArray) -> Finding:
+def _compiled_equals_interpreted(law: Any, trip: Trip) -> Finding:
     """On some 200 rows; the two may differ by the last digits of powers and exponentials, magnified where a small difference unloads."""
-    rows = np.unique(np.linspace(0, path.size - 1, 200).astype(int))
-    found = scan(law, path[rows])
+    rows = np.unique(np.linspace(0, trip.overlap.size - 1, 200).astype(int))
+    path, time = trip.overlap[rows], trip.time[rows]
+    found = scan(law, path, time)
     known = dispatch.law_of(law)
     force, radius, energy = interpreted(known.force), interpreted(known.contact_radius), interpreted(known.energy)
     state = dispatch.initial_state(law)
     worst, columns = 0.0, [np.nanmax(abs(column), initial=1e-300) for column in (found.force, found.contact_radius, found.stored_energy)]
-    for i, overlap in enumerate(path[rows].tolist()):
-        rate = overlap - float(path[rows[i - 1]]) if i else 0.0
-        push, state = force(law, overlap, rate, 1.0 if i else 0.0, state)
+    for i, overlap in enumerate(path.tolist()):
+        dt = float(time[i] - time[i - 1]) if i else 0.0
+        rate = (overlap - float(path[i - 1])) / dt if dt > 0.0 else 0.0
+        push, state = force(law, overlap, rate, dt, state)
         values = (push, radius(law, overlap, state), energy(law, overlap, state)[0])
         differences = [
             abs(a - b[i]) / c for a, b, c in zip(values, (found.force, found.contact_radius, found.stored_energy), columns, strict=True)
@@ -273,27 +269,27 @@ def _compiled_equals_interpreted(law: Any, path: FloatArray) -> Finding:
     return _finding("compiled equals interpreted", worst, 1e-9, note)
 
 
-def _pair_path(law: Any, scale: float, overlap: float) -> tuple[float, float, float]:
-    """Force, contact radius and dissipation of a pair at 0.9 `overlap` after `overlap`."""
+def _pair_path(law: Any, scale: float, overlap: float, duration: float) -> tuple[float, float, float]:
+    """Force, contact radius and dissipation of a pair at 0.9 `overlap`, `duration` after `overlap`."""
     state = dispatch.initial_state(law)
     functions = (pair.pair_force, pair.pair_contact_radius, pair.pair_energy)
     _, state = functions[0](law, scale, overlap, 0.0, 0.0, state)
-    force, state = functions[0](law, scale, 0.9 * overlap, 0.0, 0.0, state)
+    force, state = functions[0](law, scale, 0.9 * overlap, (0.9 * overlap - overlap) / duration, duration, state)
     return force, functions[1](law, scale, 0.9 * overlap, state), functions[2](law, scale, 0.9 * overlap, state)[1]
 
 
-def _pair_is_symmetric(law: Any, max_overlap: float) -> Finding:
+def _pair_is_symmetric(law: Any, max_overlap: float, duration: float) -> Finding:
     one, two = law.radius, 0.37 * law.radius
-    values = [_pair_path(law, pair.pair_scale(law, *radii), max_overlap) for radii in ((one, two), (two, one))]
+    values = [_pair_path(law, pair.pair_scale(law, *radii), max_overlap, duration) for radii in ((one, two), (two, one))]
     different = [a != b and not (np.isnan(a) and np.isnan(b)) for a, b in zip(*values, strict=True)]
     return _finding("pair is symmetric", sum(different), 0.0, "values that change when the two bodies are exchanged")
 
 
-def _pair_is_two_bodies(law: Any, max_overlap: float) -> Finding:
+def _pair_is_two_bodies(law: Any, max_overlap: float, duration: float) -> Finding:
     """Two equal bodies at twice the overlap: the force and the contact radius of one on a flat, twice its energy."""
     scale = pair.pair_scale(law, law.radius, law.radius)
-    together = np.array(_pair_path(law, scale, 2.0 * max_overlap))
-    alone = scan(law, np.array([max_overlap, 0.9 * max_overlap]))
+    together = np.array(_pair_path(law, scale, 2.0 * max_overlap, duration))
+    alone = scan(law, np.array([max_overlap, 0.9 * max_overlap]), [0.0, duration])
     expected = np.array([alone.force[1], alone.contact_radius[1], 2.0 * alone.dissipated_energy[1]])
     known = np.isfinite(expected) & (expected != 0.0)
     worst = np.max(abs(together[known] / expected[known] - 1.0), initial=0.0)

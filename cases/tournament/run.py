@@ -17,7 +17,7 @@ from contactlaws.curve import Curve
 from contactlaws.curve_files import read_curve
 from contactlaws.dispatch import law_of
 from contactlaws.errors import InputError, Problem
-from contactlaws.rivals import FLAWS
+from contactlaws.flaws import FLAWS
 from contactlaws.version import code_version
 
 #: the material that the cost per contact is taken at, and that the picture of the curves shows if it is there

@@ -11,10 +11,13 @@ from contactlaws.edmans_sinka import FIRST_YIELD, PUBLISHED, EdmansSinka
 from contactlaws.elastic import Hertz, HertzFiniteSize
 from contactlaws.elastoplastic import Thornton
 from contactlaws.material import Material
+from contactlaws.maxwell_zener import maxwell_zener
+from contactlaws.maxwell_zener_ting import maxwell_zener_ting
 from contactlaws.path import scan
+from contactlaws.prony import Relaxation
 from contactlaws.tabulate import from_curve
 from contactlaws.whole_range import whole_range, whole_range_compact
-from tests.contactlaws.rival_samples import RIVALS
+from tests.contactlaws.rival_samples import RIVALS, SLOW
 
 NMC = Material(142e9, 0.25, 7.9e9)
 SOFT = Material(20.0, 0.3, 1.0)
@@ -79,7 +82,10 @@ def separation(law: Any, top: float) -> float:
 
 TABULATED = from_curve(curve_of(edmans_sinka(HARD), 0.1, (0.1, 0.3, 0.6, 1.0), HARD, yield_overlap=5e-6))
 
-#: name of the law: records to test it with, and the largest overlap of each
+PVDF = Relaxation(2175.3e6, (0.2285,), (1.8,))
+BROAD = Relaxation(1000.0, (0.2, 0.3, 0.4), (0.01, 1.0, 30.0))
+
+#: name of the law: records to test it with, and the largest overlap of each; of laws in time, all that matters takes about a second
 SAMPLES: dict[str, list[tuple[Any, float]]] = {
     "hertz": [(Hertz(5e-6, NMC.reduced_modulus), 5e-7)],
     "hertz_finite_size": [(HertzFiniteSize(1.0, 50.0, 0.3, 1.0, 0.2, 0.1, 0.4), 0.3)],
@@ -88,6 +94,8 @@ SAMPLES: dict[str, list[tuple[Any, float]]] = {
     "tabulated": [(TABULATED, 0.12)],
     "whole_range": [(whole_range(NMC, 5e-6), 2.5e-6), (whole_range(HARD, 1.0), 0.5)],
     "whole_range_compact": [(whole_range_compact(SOFT, 1.0), 0.5)],
+    "maxwell_zener": [(maxwell_zener(PVDF, 5e-6), 5e-7), (maxwell_zener(BROAD, 1.0, 0.3), 0.3)],
+    "maxwell_zener_ting": [(maxwell_zener_ting(SLOW, 1.0), 0.1), (maxwell_zener_ting(BROAD, 1.0, 0.3, springs=8), 0.3)],
     **RIVALS,
 }
 CASES = [(law, deepest) for records in SAMPLES.values() for law, deepest in records]

@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import brentq
 
 from contactlaws.dispatch import law_of
+from contactlaws.flaws import FLAWS
 from contactlaws.path import scan, trace
-from contactlaws.rivals import FLAWS
 from contactlaws.rivals.becker_kamlah import (
     PUBLISHED,
     BeckerKamlah,
