@@ -2,10 +2,11 @@
 
     python -m cases.benchmarks.law_cost [LAW ...]
 
-Every law is that of one material, as the atlas foretells its curve (`calibration.predict`). Alone: one compiled loop over contacts with
+Every law is that of one material, as the atlas foretells its curve (`calibration.predict`). A law in time belongs to the same elastic body,
+whose modulus relaxes in 1 to 8 terms from 100 time steps on. Alone: one compiled loop over contacts with
 their memory in an array, as a simulation keeps it. In the pair kernel: packed spheres, shrunk or swelled a little before every pass so that
-every contact goes on; the time of a pass over the contacts that touch. A law without memory unloads as it loads. The laws take turns and
-the least of many passes counts, so their ratios hold on a busy machine. One thread; compiled before.
+every contact goes on; the time of a pass over the contacts that touch. A law that does not know what it went through unloads as it loads.
+The laws take turns and the least of many passes counts, so their ratios hold on a busy machine. One thread; compiled before.
 """
 
 from __future__ import annotations
@@ -24,6 +25,12 @@ from contactlaws import dispatch
 from contactlaws.compiled import kernel
 from contactlaws.errors import InputError, Problem
 from contactlaws.material import Material
+from contactlaws.maxwell_zener import maxwell_zener
+from contactlaws.maxwell_zener_ting import maxwell_zener_ting
+from contactlaws.prony import Relaxation
+from contactlaws.rivals.hertz_spring_dashpot import hertz_spring_dashpot
+from contactlaws.rivals.kuwabara_kono import kuwabara_kono
+from contactlaws.rivals.wahn_gan_kamlah import wahn_gan_kamlah
 from contactlaws.whole_range import whole_range_compact
 from dem.box import Box
 from dem.forces import pair_forces
@@ -38,6 +45,7 @@ SPHERES, PACKING_FRACTION, SQUEEZE = 4_000, 0.6, 0.95
 CONTACTS, DEEPEST = 10_000, 0.2  # alone: contacts, and their largest overlap over the radius
 STEP, PASSES, WARM_UP = 1e-6, 60, 2
 BASE = "hertz"
+TERMS, RELAXING, TIME_STEP = (1, 2, 3, 5, 8), 0.5, 1e-9
 #: the way of the overlap in each phase; the last pass of reloading ends where unloading began, so no last pass counts
 PHASES = {"loading": 1.0, "unloading": -1.0, "reloading": 1.0}
 
@@ -50,26 +58,46 @@ class Cost(NamedTuple):
 
 
 @kernel
-def _alone(law, overlap, memory):  # type: ignore[no-untyped-def]
+def _alone(law, overlap, closing, memory):  # type: ignore[no-untyped-def]
     total = 0.0
     for i in range(overlap.size):
-        force, state = dispatch.normal_force(law, overlap[i], 0.0, 0.0, dispatch.load_state(law, memory, i))
+        force, state = dispatch.normal_force(law, overlap[i], closing * overlap[i], TIME_STEP, dispatch.load_state(law, memory, i))
         dispatch.put_back(law, memory, i, state)
         total += force
     return total
 
 
 def records(names: Sequence[str] = ()) -> dict[str, Any]:
-    """One record of each law of this project (or of those named, and Hertz's) for the same material, Hertz's first."""
+    """One record of each law of this project (or of those named, and Hertz's) for the same material, Hertz's first; by name and terms."""
     known = [name for name, law in dispatch.laws().items() if law.record.__module__.startswith(f"{dispatch.OWN}.")]
     for name in names:
         if name not in known:
             raise InputError(Problem("law", name, f"must be one of {', '.join(known)}", "leave it out for all of them"))
     wanted = [name for name in known if name in names or not names]
-    return {name: _record(name) for name in dict.fromkeys((BASE, *wanted))}
+    return {label: law for name in dict.fromkeys((BASE, *wanted)) for label, law in _records(name).items()}
+
+
+def _records(name: str) -> dict[str, Any]:
+    """One, or one for each number of terms."""
+    if name == "maxwell_zener":
+        return {f"{name}, N = {terms}": maxwell_zener(_relaxation(terms), RADIUS, MATERIAL.poissons_ratio) for terms in TERMS}
+    if name == "maxwell_zener_ting":
+        return {f"{name}, N = {terms}": maxwell_zener_ting(_relaxation(terms), RADIUS, MATERIAL.poissons_ratio) for terms in TERMS}
+    return {name: _record(name)}
+
+
+def _relaxation(terms: int) -> Relaxation:
+    """Equal terms, a factor of ten apart."""
+    return Relaxation(MATERIAL.reduced_modulus, (RELAXING / terms,) * terms, tuple(float(TIME_STEP * 10.0**k) for k in range(2, 2 + terms)))
 
 
 def _record(name: str) -> Any:
+    if name == "wahn_gan_kamlah":
+        return wahn_gan_kamlah(_relaxation(1), RADIUS)
+    if name == "kuwabara_kono":
+        return kuwabara_kono(_relaxation(1), RADIUS)
+    if name == "hertz_spring_dashpot":
+        return hertz_spring_dashpot(MATERIAL, RADIUS, 0.5)
     if name == "whole_range_compact":  # made of the material alone
         return whole_range_compact(MATERIAL, RADIUS)
     return calibration.predict(MATERIAL, radius=RADIUS, max_overlap=DEEPEST, law=recipe_for(name).law).law.law
@@ -88,7 +116,7 @@ class _Contacts:
         self.scale += way * STEP
         moved = self.overlap * self.scale
         began = time.perf_counter()
-        _alone(self.law, moved, self.memory)
+        _alone(self.law, moved, way * STEP / TIME_STEP, self.memory)
         return (time.perf_counter() - began) / CONTACTS * 1e9
 
 
@@ -104,7 +132,8 @@ class _Packed:
         """Scale lengths by one step, then time one pass over all pairs; ns per contact."""
         work, self.scale = self.work, self.scale - way * STEP
         work.position[:] = self.start * self.scale
-        motion = (work.position, work.velocity, work.radius, work.one_radius, work.pairs.lengths * self.scale, np.zeros(3), 0.0)
+        strain_rate = np.full(3, -way * STEP / TIME_STEP)
+        motion = (work.position, work.velocity, work.radius, work.one_radius, work.pairs.lengths * self.scale, strain_rate, TIME_STEP)
         contacts = (work.pairs.start, work.pairs.partner, work.pairs.image, work.pairs.images, work.memory, work.magnitude)
         began = time.perf_counter()
         pair_forces(self.law, *motion, *contacts, work.force, work.virial, work.tally)
@@ -124,16 +153,18 @@ def measure(laws: Mapping[str, Any]) -> dict[str, Cost]:
     return found
 
 
-def rows(found: Mapping[str, Cost], memories: Mapping[str, int]) -> list[str]:
-    """One line per law: ns per contact, and in brackets how many times Hertz's in the same phase."""
+def rows(found: Mapping[str, Cost], laws: Mapping[str, Any]) -> list[str]:
+    """One line per law: bytes that a contact remembers, ns per contact, and in brackets how many times Hertz's in the same phase."""
     heads = [f"{place}: {phase}" if not number else phase for place in ("alone", "pair kernel") for number, phase in enumerate(PHASES)]
-    lines = [f"{'ns per contact (times Hertz)':30s}" + "".join(f"{head:>22s}" for head in heads)]
+    lines = [f"{'ns per contact (times Hertz)':30s}{'bytes':>8s}" + "".join(f"{head:>22s}" for head in heads)]
     base = found[BASE]
     for name, cost in found.items():
-        cells = ""
+        memory, timeless = dispatch.floats_of_state(laws[name]), not dispatch.law_of(laws[name]).in_time
+        cells = f"{8 * memory:8d}"
         for own, other in ((cost.alone, base.alone), (cost.pair, base.pair)):
             for number, (value, hertz) in enumerate(zip(own, other, strict=True)):
-                cells += f"{'as loading' if number and not memories[name] else f'{value:.1f} ({value / hertz:.2f})':>22s}"
+                same = number and timeless and not memory
+                cells += f"{'as loading' if same else f'{value:.1f} ({value / hertz:.2f})':>22s}"
         lines.append(f"{name:30s}{cells}")
     return lines
 
@@ -141,8 +172,7 @@ def rows(found: Mapping[str, Cost], memories: Mapping[str, int]) -> list[str]:
 def main(names: Sequence[str]) -> None:
     """Measure and print."""
     laws = records(names)
-    memories = {name: dispatch.floats_of_state(law) for name, law in laws.items()}
-    print("\n".join(rows(measure(laws), memories)))
+    print("\n".join(rows(measure(laws), laws)))
 
 
 if __name__ == "__main__":
