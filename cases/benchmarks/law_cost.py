@@ -3,7 +3,7 @@
     python -m cases.benchmarks.law_cost [LAW ...]
 
 Every law is that of one material, as the atlas foretells its curve (`calibration.predict`). A law in time belongs to the same elastic body,
-whose modulus relaxes in 1 to 8 terms from 100 time steps on. Alone: one compiled loop over contacts with
+whose modulus relaxes in 1 to 8 terms from 1000 time steps on. Alone: one compiled loop over contacts with
 their memory in an array, as a simulation keeps it. In the pair kernel: packed spheres, shrunk or swelled a little before every pass so that
 every contact goes on; the time of a pass over the contacts that touch. A law that does not know what it went through unloads as it loads.
 The laws take turns and the least of many passes counts, so their ratios hold on a busy machine. One thread; compiled before.
@@ -88,7 +88,7 @@ def _records(name: str) -> dict[str, Any]:
 
 def _relaxation(terms: int) -> Relaxation:
     """Equal terms, a factor of ten apart."""
-    return Relaxation(MATERIAL.reduced_modulus, (RELAXING / terms,) * terms, tuple(float(TIME_STEP * 10.0**k) for k in range(2, 2 + terms)))
+    return Relaxation(MATERIAL.reduced_modulus, (RELAXING / terms,) * terms, tuple(float(TIME_STEP * 10.0**k) for k in range(3, 3 + terms)))
 
 
 def _record(name: str) -> Any:
