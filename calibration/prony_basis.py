@@ -1,4 +1,4 @@
-"""What one term of a Prony series contributes to a measured table, and how that changes with the logarithm of its time.
+"""What a Prony series is fitted to, and what one term contributes to a measured table, with the change by the logarithm of its time.
 
 All three kinds of table are a constant plus amplitudes times these functions, so with the times given the amplitudes are a linear fit.
 Ferry, Viscoelastic Properties of Polymers (1980), chapter 3.
@@ -7,7 +7,8 @@ Ferry, Viscoelastic Properties of Polymers (1980), chapter 3.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -42,8 +43,55 @@ def oscillating(frequency: FloatArray, times: FloatArray) -> tuple[FloatArray, F
 TERMS: dict[Kind, Terms] = {"relaxation": relaxing, "creep": creeping, "dynamic": oscillating}
 
 
-class Target(NamedTuple):
-    """The numbers to be met, and what a difference is divided by."""
+class Target(Protocol):
+    """Numbers that a series is fitted to, and what a difference is divided by."""
+
+    @property
+    def goal(self) -> FloatArray:
+        """Those numbers, over their scale, that are linear in the amplitudes."""
+
+    @property
+    def count(self) -> int:
+        """All numbers, also those that are not."""
+
+    @property
+    def size(self) -> float:
+        """What an amplitude may be like, in its unit."""
+
+    def columns(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Of the numbers in `goal`: contributions of the constant and of each term, over the scale, and the terms' derivatives by the
+        logarithms of their times.
+        """
+
+    def misses(self, amplitudes: FloatArray, times: FloatArray) -> FloatArray:
+        """Differences of all numbers, over their scale."""
+
+    def slopes(self, amplitudes: FloatArray, times: FloatArray) -> FloatArray:
+        """Derivatives of `misses` by the amplitudes and by the logarithms of the times."""
+
+
+class LinearTarget(Target, Protocol):
+    """One all of whose numbers are linear in the amplitudes."""
+
+    @property
+    def count(self) -> int:
+        """All are linear."""
+        return int(self.goal.size)
+
+    def misses(self, amplitudes: FloatArray, times: FloatArray) -> FloatArray:
+        """Differences over the scale."""
+        columns, _ = self.columns(times)
+        return np.asarray(columns @ amplitudes - self.goal)
+
+    def slopes(self, amplitudes: FloatArray, times: FloatArray) -> FloatArray:
+        """Derivatives of them."""
+        columns, slopes = self.columns(times)
+        return np.hstack((columns, slopes * amplitudes[1:]))
+
+
+@dataclass(frozen=True)
+class TableTarget(LinearTarget):
+    """The numbers of a table."""
 
     kind: Kind
     place: FloatArray
@@ -51,13 +99,18 @@ class Target(NamedTuple):
     scale: FloatArray
 
     def columns(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Contributions of the constant and of each term, over the scale, and the terms' derivatives."""
+        """The constant is a spring: it loses nothing."""
         terms, slopes = TERMS[self.kind](self.place, times)
         constant = np.zeros((self.values.size, 1))
-        constant[: self.place.size] = 1.0  # a spring loses nothing
+        constant[: self.place.size] = 1.0
         return np.hstack((constant, terms)) / self.scale[:, None], slopes / self.scale[:, None]
 
     @property
     def goal(self) -> FloatArray:
         """The numbers over the scale."""
         return self.values / self.scale
+
+    @property
+    def size(self) -> float:
+        """The largest number."""
+        return float(abs(self.values).max())

@@ -1,4 +1,4 @@
-"""What a table does not tell about the series that was fitted to it."""
+"""What a table, or curves, do not tell about the series that was fitted to them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import itertools
 import math
 from collections.abc import Iterator
 
-from calibration.prony_record import PronyFit
+from calibration.prony_record import SeriesFit
 from calibration.trust import LARGEST_CORRELATION, LARGEST_RELATIVE_ERROR
 
-#: a modulus that is further than this from its limit at an end of the table has not been seen to level off
+#: a modulus that is further than this from its limit at an end of the window has not been seen to level off
 LEVEL = 0.02
 #: standard deviations of chi squared beyond which a misfit is no chance
 NO_CHANCE = 3.0
@@ -17,21 +17,21 @@ NO_CHANCE = 3.0
 MOST_PAIRS = 4
 
 
-def doubts(fit: PronyFit) -> Iterator[str]:
+def doubts(fit: SeriesFit) -> Iterator[str]:
     """One sentence for each."""
     if fit.terms < fit.asked:
         yield f"only {fit.terms} of the {fit.asked} terms asked for have a weight and a time of their own; the others are left out"
     yield from _unseen(fit)
     yield from _undetermined(fit)
     if fit.misfit**2 > 1.0 + NO_CHANCE * math.sqrt(2.0 / fit.freedom):
-        yield f"the series misses the table by {fit.misfit:.3g} times its noise: more terms, or a larger noise, would be true to it"
+        yield f"the series misses the {fit.source} by {fit.misfit:.3g} times the noise: more terms, or a larger noise, would be true"
 
 
-def _unseen(fit: PronyFit) -> Iterator[str]:
-    low, high = fit.table.window
+def _unseen(fit: SeriesFit) -> Iterator[str]:
+    low, high = fit.window
     for name, time in zip(fit.names[1 + fit.terms :], fit.modulus.times, strict=True):
         if not low <= time <= high:
-            yield f"{name} = {time:.4g} s lies outside the {low:.4g} to {high:.4g} s that the table can see"
+            yield f"{name} = {time:.4g} s lies outside the {low:.4g} to {high:.4g} s that the {fit.source} can see"
     modulus = fit.modulus
     early, late = modulus.at([low, high]).tolist()
     if late > (1.0 + LEVEL) * modulus.long_term:
@@ -42,7 +42,7 @@ def _unseen(fit: PronyFit) -> Iterator[str]:
         yield f"the instantaneous modulus is an extrapolation: after {low:.4g} s {below:.3g} % of it are gone"
 
 
-def _undetermined(fit: PronyFit) -> Iterator[str]:
+def _undetermined(fit: SeriesFit) -> Iterator[str]:
     errors = fit.standard_errors
     for name, value in zip(fit.names, fit.values, strict=True):
         if not errors[name] < LARGEST_RELATIVE_ERROR * value:
@@ -52,7 +52,7 @@ def _undetermined(fit: PronyFit) -> Iterator[str]:
     yield from _alike(fit)
 
 
-def _alike(fit: PronyFit) -> Iterator[str]:
+def _alike(fit: SeriesFit) -> Iterator[str]:
     pairs = itertools.combinations(range(len(fit.names)), 2)
     close = sorted((-abs(fit.correlation[pair]), pair) for pair in pairs if abs(fit.correlation[pair]) > LARGEST_CORRELATION)
     for _, (i, j) in close[:MOST_PAIRS]:

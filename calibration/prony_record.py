@@ -27,18 +27,19 @@ class Candidate(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PronyFit:
-    """A fitted series of the table's own modulus (Young's, or that of shear)."""
+class SeriesFit:
+    """A fitted series of one modulus, and how far it can be trusted."""
 
-    table: PronyTable
     modulus: Relaxation  # Pa
     covariance: FloatArray  # of the fitted numbers, in the order of `names`
     candidates: tuple[Candidate, ...]
-    noise: float | None  # standard deviation of every number of the table over its true value; None: the table states each one's own
-    noise_from: str  # in words
-    misfit: float  # root mean square of the differences over their standard errors, per degree of freedom
-    freedom: int  # numbers in the table less those fitted
+    scatter: str  # what a number may be off by, in words
+    noise_from: str  # how that is known, in words
+    misfit: float  # root mean square of the differences over that noise, per degree of freedom
+    freedom: int  # numbers fitted to less those fitted
     asked: int  # terms that were asked for, or that the criterion chose
+    window: tuple[float, float]  # relaxation times in s that can be seen
+    source: str  # what it was fitted to: "table", "curves"
 
     @property
     def terms(self) -> int:
@@ -82,6 +83,14 @@ class PronyFit:
         squares, directions = np.linalg.eigh(self.correlation)  # round-off makes no variance negative
         slope = slopes(at, self.values, steps) * spread
         return np.asarray(np.linalg.norm(slope @ directions * np.sqrt(np.maximum(squares, 0.0)), axis=1))
+
+
+@dataclass(frozen=True)
+class PronyFit(SeriesFit):
+    """The series of a table's own modulus: Young's, or that of shear."""
+
+    table: PronyTable
+    noise: float | None  # standard deviation of every number of the table over its true value; None: the table states each one's own
 
     def material(self, poissons_ratio: float, constant_bulk: bool = False) -> PronyViscoelastic:
         """The material with this modulus; poissons_ratio: the instantaneous one. See `contactlaws.prony.uniaxial`.

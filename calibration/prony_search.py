@@ -22,7 +22,7 @@ DENSITY = 12
 #: times are sought up to this factor outside the window: further away a term is a constant or nothing
 BEYOND = 10.0
 MOST_TERMS = 20
-#: amplitudes, over the largest number measured, are kept above this: a long-term modulus of zero would be a fluid's
+#: amplitudes, over what they may be like, are kept above this: a long-term modulus of zero would be a fluid's
 SMALLEST, LARGEST = 1e-9, 1e3
 #: relative accuracy that no table exceeds; below it residuals are round-off and choose nothing
 ROUND_OFF = 1e-9
@@ -74,7 +74,7 @@ def search(target: Target, window: tuple[float, float], terms: int | None = None
     places = grid(window)
     amplitudes, _ = spectrum(target, places)
     lines = [(float(a), float(t)) for a, t in zip(amplitudes[1:], places, strict=True) if a > 0.0]
-    data = target.values.size
+    data = target.count
     found: list[Found] = []
     worths: list[float] = []
     for number in range(most_terms(data) + 1):
@@ -122,7 +122,7 @@ def _grouped(lines: list[tuple[float, float]], number: int) -> FloatArray:
 
 def _refined(target: Target, window: tuple[float, float], times: FloatArray, accuracy: float) -> Found:
     """Least squares in the logarithms of amplitudes and times from the best amplitudes of `times` on."""
-    size = float(abs(target.values).max())
+    size = target.size
     terms = times.size
     low = np.log([*[SMALLEST * size] * (1 + terms), *[window[0] / BEYOND] * terms])
     high = np.log([*[LARGEST * size] * (1 + terms), *[window[1] * BEYOND] * terms])
@@ -130,13 +130,12 @@ def _refined(target: Target, window: tuple[float, float], times: FloatArray, acc
     start = np.log([*np.maximum(amplitudes, 1e-4 * size), *times])
 
     def difference(inner: FloatArray) -> FloatArray:
-        columns, _ = target.columns(np.exp(inner[1 + terms :]))
-        return columns @ np.exp(inner[: 1 + terms]) - target.goal
+        return target.misses(np.exp(inner[: 1 + terms]), np.exp(inner[1 + terms :]))
 
     def jacobian(inner: FloatArray) -> FloatArray:
-        columns, slopes = target.columns(np.exp(inner[1 + terms :]))
         amplitudes = np.exp(inner[: 1 + terms])
-        return np.hstack((columns * amplitudes, slopes * amplitudes[1:]))
+        slopes = target.slopes(amplitudes, np.exp(inner[1 + terms :]))
+        return slopes * np.concatenate((amplitudes, np.ones(terms)))
 
     start = np.clip(start, low + 1e-9, high - 1e-9)
     limits = {"xtol": accuracy, "ftol": accuracy, "gtol": 1e-15, "max_nfev": MOST_STEPS}
