@@ -71,10 +71,12 @@ def damping_ratio(restitution: float, pull: bool) -> float:
         return 0.0
     if pull:
         return lost / math.hypot(math.pi, lost)
-    # beyond u = lost, 2 u coth u exceeds lost whatever it is
-    if lost > 2.0:
+    if abs(lost - 2.0) < 1e-12:
+        return 1.0
+    if lost > 2.0:  # u lies below lost, since 2 u coth u is more than u
         return math.cosh(float(brentq(lambda u: 2.0 * u / math.tanh(u) - lost, 1e-9, lost, xtol=1e-14)))
-    return math.sin(float(brentq(lambda t: (math.pi - 2.0 * t) * math.tan(t) - lost, 0.0, 0.5 * math.pi * (1.0 - 1e-12), xtol=1e-14)))
+    # by the angle that is missing to a right one: (pi - 2 t) tan t = 2 w/tan w
+    return math.cos(float(brentq(lambda w: 2.0 * w / math.tan(w) - lost, 1e-9, 0.5 * math.pi, xtol=1e-14)))
 
 
 def restitution_of(damping: float, pull: bool) -> float:
