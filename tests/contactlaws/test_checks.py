@@ -55,6 +55,27 @@ def stepped_force(law, overlap, rate, dt, state):
     return overlap * (1.0 if overlap < 0.03 * law.radius else 1.001), state
 
 
+@njit
+def oiled_force(law, overlap, rate, dt, state):
+    """A spring and a damper that cannot pull; remembers overlap, force and what the damper took."""
+    if overlap <= 0.0:
+        return 0.0, (0.0, 0.0, 0.0)
+    force = max(0.0, overlap + law.damping * rate)
+    moved = overlap - state[0]
+    taken = 0.5 * (force + state[1]) * moved - 0.5 * (overlap * overlap - state[0] * state[0])
+    return force, (overlap, force, state[2] + taken)
+
+
+@njit
+def oiled_energy(law, overlap, state):
+    return 0.5 * max(overlap, 0.0) ** 2, state[2] + (0.5 * state[0] ** 2 if overlap <= 0.0 and state[1] == 0.0 else 0.0)
+
+
+class Oiled(NamedTuple):
+    radius: float
+    damping: float
+
+
 class Spring(NamedTuple):
     radius: float
 
@@ -78,6 +99,8 @@ for record, force, memory in (
     (Stepped, stepped_force, ()),
 ):
     register(Law(f"test_{record.__name__}", record, force, spring_contact_radius, spring_energy, unit_stiffness, memory, "this test"))
+OILED = ("overlap", "force", "taken")
+register(Law("test_oiled", Oiled, oiled_force, spring_contact_radius, oiled_energy, unit_stiffness, OILED, "this test", in_time=True))
 
 
 def failures(law) -> set[str]:
@@ -99,6 +122,20 @@ def test_a_users_own_law_passes():
 )
 def test_a_wrong_law_is_found_out(law, expected):
     assert expected <= failures(law)
+
+
+def test_a_users_own_law_in_time_passes():
+    assert failures(Oiled(1.0, 0.5)) == set()
+
+
+def test_a_motor_is_found_out():
+    """A damper with the wrong sign gives energy."""
+    assert {"dissipation never falls", "no energy from a closed path"} <= failures(Oiled(1.0, -0.5))
+
+
+def test_a_duration_must_be_positive():
+    with pytest.raises(InputError, match="duration"):
+        check(Oiled(1.0, 0.5), 0.1, duration=0.0)
 
 
 def test_a_range_must_be_positive():

@@ -6,7 +6,13 @@ import math
 
 import pytest
 
+from contactlaws.material import Material
+from contactlaws.maxwell_zener import maxwell_zener
+from contactlaws.prony import Relaxation
 from contactlaws.rivals.becker_kamlah import PUBLISHED, BeckerKamlah
+from contactlaws.rivals.hertz_spring_dashpot import hertz_spring_dashpot, restitution_of
+from contactlaws.rivals.kuwabara_kono import kuwabara_kono
+from dem import impact
 from dem.impact import restitution
 
 RADIUS, DENSITY = 5e-6, 4750.0
@@ -23,3 +29,52 @@ def test_becker_kamlahs_restitution(ratio: float, expected: float) -> None:
     speed = ratio * math.sqrt(2.0 * energy / REDUCED_MASS)
     # some 2000 steps in the collision leave less than 1e-3, as in the test of Thornton's law
     assert restitution(law, RADIUS, DENSITY, [speed]).restitution[0] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.compiled_only(reason="millions of steps")
+@pytest.mark.parametrize("pull", [False, True])
+@pytest.mark.parametrize("asked", [0.05, 0.1, 0.3, 0.5, 0.8, 0.95])
+def test_the_damper_returns_what_is_asked(asked: float, pull: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A damper is given the velocity of half a step ago, so its error goes with the step: 1e-4 at the usual 2000 steps, 1e-6 at 200 000."""
+    law = hertz_spring_dashpot(Material(1e7, 0.3, None, 2500.0), 1e-3, asked, pull)
+    speeds = [1e-2, 1.0]
+    assert restitution(law, 1e-3, 2500.0, speeds).restitution == pytest.approx(asked, abs=1e-4)
+    monkeypatch.setattr(impact, "FRACTION", 1e-2 * impact.FRACTION)
+    assert restitution(law, 1e-3, 2500.0, speeds).restitution == pytest.approx(asked, abs=1e-6)
+
+
+@pytest.mark.compiled_only(reason="thousands of steps")
+def test_a_damper_belongs_to_spheres_of_its_own_size() -> None:
+    """Spheres s times as large are damped with the ratio z/s; 1e-4 as above."""
+    law = hertz_spring_dashpot(Material(1e7, 0.3, None, 2500.0), 1e-3, 0.5)
+    for s in (0.5, 2.0):
+        found = restitution(law, s * 1e-3, 2500.0, [0.1]).restitution[0]
+        assert found == pytest.approx(restitution_of(law.damping_ratio / s, pull=False), abs=1e-4)
+
+
+@pytest.mark.compiled_only(reason="thousands of steps")
+def test_ramirez_restitution_falls_with_the_fifth_root_of_the_speed() -> None:
+    """x = 3/2 A (k/m)^(2/5) v^(1/5) with k and m of the pair, and v its speed; beyond x^2 there is x^2.5, and the step's error of 1e-5 x."""
+    modulus, radius, density = Relaxation(1e7, (0.01,), (2e-5,)), 1e-3, 2500.0
+    law = kuwabara_kono(modulus, radius)
+    k = 4.0 / 3.0 * 0.5 * law.reduced_modulus * math.sqrt(0.5 * radius)
+    mass = 0.5 * density * 4.0 / 3.0 * math.pi * radius**3
+    for speed in (1e-3, 1e-1):
+        x = 1.5 * law.dissipation_time * (k / mass) ** 0.4 * speed**0.2
+        expected = 1.0 - 1.15344 * x + 0.6 * 1.15344**2 * x**2
+        assert restitution(law, radius, density, [speed]).restitution[0] == pytest.approx(expected, abs=x**2.5 + 1e-5)
+
+
+@pytest.mark.compiled_only(reason="thousands of steps")
+def test_a_slow_collision_is_that_of_a_relaxing_body() -> None:
+    """With tau 1/500 of the collision's time T, Kuwabara & Kono's loss differs from the relaxing body's by the next term.
+
+    That is (1 - e) times a few tau/T; a relaxing body of the recurrence returns the same to first order, also on retreat.
+    """
+    modulus, radius, density, speed = Relaxation(1e7, (0.3,), (1e-6,)), 1e-3, 2500.0, 1e-2
+    damped, relaxing = (
+        restitution(law, radius, density, [speed]) for law in (kuwabara_kono(modulus, radius), maxwell_zener(modulus, radius))
+    )
+    ratio = 1e-6 / damped.contact_time[0]
+    assert ratio < 1.0 / 500.0
+    assert 1.0 - relaxing.restitution[0] == pytest.approx(1.0 - damped.restitution[0], rel=5.0 * ratio)
