@@ -54,7 +54,7 @@ def test_a_damper_belongs_to_spheres_of_its_own_size() -> None:
 
 @pytest.mark.compiled_only(reason="thousands of steps")
 def test_ramirez_restitution_falls_with_the_fifth_root_of_the_speed() -> None:
-    """x = 3/2 A (k/m)^(2/5) v^(1/5) with k and m of the pair, and v its speed; beyond x^2 there is x^2.5, and the step's error of 1e-5 x."""
+    """x = 3/2 A (k/m)^(2/5) v^(1/5), all of the pair; beyond x^2 there is x^2.5, and the error of the step, below 1e-5."""
     modulus, radius, density = Relaxation(1e7, (0.01,), (2e-5,)), 1e-3, 2500.0
     law = kuwabara_kono(modulus, radius)
     k = 4.0 / 3.0 * 0.5 * law.reduced_modulus * math.sqrt(0.5 * radius)
@@ -67,14 +67,10 @@ def test_ramirez_restitution_falls_with_the_fifth_root_of_the_speed() -> None:
 
 @pytest.mark.compiled_only(reason="thousands of steps")
 def test_a_slow_collision_is_that_of_a_relaxing_body() -> None:
-    """With tau 1/500 of the collision's time T, Kuwabara & Kono's loss differs from the relaxing body's by the next term.
-
-    That is (1 - e) times a few tau/T; a relaxing body of the recurrence returns the same to first order, also on retreat.
-    """
-    modulus, radius, density, speed = Relaxation(1e7, (0.3,), (1e-6,)), 1e-3, 2500.0, 1e-2
-    damped, relaxing = (
-        restitution(law, radius, density, [speed]) for law in (kuwabara_kono(modulus, radius), maxwell_zener(modulus, radius))
-    )
+    """The relaxation time is less than 1/500 of the collision's; the next term of the loss is a few times that, over the first."""
+    modulus, radius, density = Relaxation(1e7, (0.3,), (1e-6,)), 1e-3, 2500.0
+    laws = kuwabara_kono(modulus, radius), maxwell_zener(modulus, radius)
+    damped, relaxing = (restitution(law, radius, density, [1e-2]) for law in laws)
     ratio = 1e-6 / damped.contact_time[0]
     assert ratio < 1.0 / 500.0
     assert 1.0 - relaxing.restitution[0] == pytest.approx(1.0 - damped.restitution[0], rel=5.0 * ratio)
