@@ -24,6 +24,7 @@ from contactlaws.compiled import inlined, kernel
 from contactlaws.dispatch import Law, register
 from contactlaws.elastic import finite_size_area, finite_size_factors, finite_size_force, largest_finite_size_stiffness
 from contactlaws.errors import InputError, Problem
+from contactlaws.maxwell_element import decay_and_mean
 from contactlaws.prony import Relaxation, problems_with_fractions, problems_with_times
 
 FloatArray = npt.NDArray[np.float64]
@@ -90,16 +91,6 @@ def _problems_with_body(law: MaxwellZener) -> Iterator[Problem]:
 
 
 @inlined
-def decay(x):  # type: ignore[no-untyped-def]
-    """exp(-x) and (1 - exp(-x))/x for a step over relaxation time x >= 0; in a simulation x is small, and a series costs less."""
-    if x < 0.01:
-        held = 1.0 - x * (1.0 / 2.0 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0 - x / 720.0))))
-        return 1.0 - x * held, held
-    left = math.exp(-x)
-    return left, -math.expm1(-x) / x if x < 1.0 else (1.0 - left) / x
-
-
-@inlined
 def grow(law, overlap, dt, state, first):  # type: ignore[no-untyped-def]
     """Take f_i and q_i, from float `first` of the state on, through a step of `dt` to `overlap`; returns force and elastic force in N.
 
@@ -112,14 +103,14 @@ def grow(law, overlap, dt, state, first):  # type: ignore[no-untyped-def]
     force, lost = elastic, 0.0
     for i in range(terms):
         g, x = law.fractions[i], dt / law.times[i]
-        e, h = decay(x)
+        e, h, m = decay_and_mean(x)
         old, kept = state[first + i], state[first + terms + i]
-        new = e * old + h * risen
+        left = e * old
+        new = left + h * risen
         state[first + i] = new
-        energy = e * e * kept + h * moved * (2.0 * e * old + h * risen)
+        energy = e * e * kept + h * moved * (left + new)
         # work on the term: overlap moved times the mean of f_i in the step
-        mean = h * old + (1.0 - h) / x * risen if x > 1e-4 else h * old + (0.5 - x / 6.0) * risen
-        lost += g * max(0.0, moved * mean - 0.5 * (energy - kept))
+        lost += g * max(0.0, moved * (h * old + m * risen) - 0.5 * (energy - kept))
         state[first + terms + i] = max(0.0, energy)
         force += g * (new - elastic)
     state[LOST] += lost
