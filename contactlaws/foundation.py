@@ -13,15 +13,17 @@ Steps are implicit and the springs' lengths linear in time within a step, so a s
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from contactlaws.compiled import kernel
-from contactlaws.prony import Relaxation
+from contactlaws.errors import Problem, require
+from contactlaws.maxwell_element import damped
+from contactlaws.maxwell_element import decay as decay_of
+from contactlaws.prony import Relaxation, problems_with_modulus
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -40,7 +42,7 @@ class History(NamedTuple):
     force: FloatArray
     edge: FloatArray  # onset where the springs' force ends; the elastic body touches as far at that overlap
     stored: FloatArray  # energy in the springs, also those off the flat
-    dissipated: FloatArray  # by their dampers
+    dissipated: FloatArray  # by their dampers; with what is stored, the work done but for the length of the steps, to second order
 
 
 def springs_of(elastic_force: Callable[[FloatArray], FloatArray], largest: float, count: int, smallest: float = 1e-6) -> Springs:
@@ -59,20 +61,29 @@ def follow(springs: Springs, modulus: Relaxation, time: npt.ArrayLike, control: 
     """Take the springs through the rows of `control`, overlaps or (where `by_force`) forces, at `time` (s), from the unstrained state.
 
     modulus: only its fractions and times count, the springs' stiffness being the instantaneous one. The first row is where it starts.
+    Raises `InputError`.
     """
-    times, values = np.asarray(time, dtype=np.float64), np.asarray(control, dtype=np.float64)
+    times, values = np.array(time, dtype=np.float64), np.array(control, dtype=np.float64)
+    require([*problems_with_modulus(modulus), *_problems_with_programme(times, values)])
     forced = np.broadcast_to(np.asarray(by_force, dtype=np.bool_), times.shape).copy()
     columns = _follow(springs.onset, springs.stiffness, np.array(modulus.fractions), np.array(modulus.times), times, values, forced)
     return History(*columns)
+
+
+def _problems_with_programme(time: FloatArray, control: FloatArray) -> Iterator[Problem]:
+    if time.ndim != 1 or time.size == 0 or time.shape != control.shape:
+        yield Problem("control", control.shape, f"must be one row, as long as that of the times, {time.shape}", "give one value per time")
+    elif not (np.isfinite(time).all() and np.isfinite(control).all()):
+        yield Problem("control", control.size, "must be finite numbers, and so must the times", "remove or repair the rows")
+    elif np.any(np.diff(time) < 0.0):
+        yield Problem("time", float(time[1:][np.diff(time) < 0.0][0]), "must not decrease", "put the rows in order")
 
 
 @kernel
 def held_share(step, times, decay, held):  # type: ignore[no-untyped-def]
     """For one time step: how much of each term is left, and how much of what is added evenly within the step."""
     for i in range(times.size):
-        x = step / times[i]
-        decay[i] = math.exp(-x)
-        held[i] = -math.expm1(-x) / x if x > 1e-300 else 1.0
+        decay[i], held[i] = decay_of(step / times[i])
 
 
 @kernel
@@ -127,15 +138,12 @@ def _follow(onset, stiffness, fractions, times, time, control, by_force):  # typ
             last = one
             energy = 0.5 * long_term * (length[k] + added) ** 2
             for i in range(terms):
-                before = strain[k, i]
-                strain[k, i] = decay[i] * before + held[i] * added
+                lost += stiffness[k] * fractions[i] * damped(strain[k, i], added, decay[i], held[i])
+                strain[k, i] = decay[i] * strain[k, i] + held[i] * added
                 energy += 0.5 * fractions[i] * strain[k, i] ** 2
             length[k] += added
             kept += stiffness[k] * energy
-        overlap[n], force[n], stored[n] = flat, total, kept
-        if n > 0:
-            lost += 0.5 * (force[n] + force[n - 1]) * (flat - overlap[n - 1]) - (kept - stored[n - 1])
-        dissipated[n] = lost
+        overlap[n], force[n], stored[n], dissipated[n] = flat, total, kept, lost
     return overlap, force, edge, stored, dissipated
 
 
