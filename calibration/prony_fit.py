@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from calibration.prony_basis import TableTarget
-from calibration.prony_outcome import candidates_of, inverse, of_modulus, tidied
+from calibration.prony_outcome import candidates_of, inverse, left_over, of_modulus, tidied
 from calibration.prony_record import STEP, PronyFit, slopes
-from calibration.prony_search import ROUND_OFF, Found, grid, most_terms, search, spectrum, unknowns
+from calibration.prony_search import Found, grid, most_terms, search, spectrum, unknowns
 from calibration.prony_table import PronyTable
 from contactlaws.errors import Problem, require
 from contactlaws.prony import Creep, Relaxation
@@ -100,10 +100,7 @@ def _noise(table: PronyTable, found: list[Found], noise: float | None) -> tuple[
         return 1.0, "stated in the table"
     if noise is not None:
         return noise, "given"
-    richest = found[-1]
-    left = table.values.size - unknowns(richest.times.size)
-    level = max(math.sqrt(richest.squares / left), ROUND_OFF)
-    return level, f"what a series of {richest.times.size} terms leaves over"
+    return left_over(found, table.values.size)
 
 
 def _of_creep(found: Found) -> tuple[Relaxation, FloatArray]:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from calibration.prony_record import Candidate
-from calibration.prony_search import Found, unknowns
+from calibration.prony_search import ROUND_OFF, Found, unknowns
 from contactlaws.prony import Relaxation, series
 
 FloatArray = npt.NDArray[np.float64]
@@ -40,14 +40,29 @@ def tidied(found: Found) -> Found:
     return Found(np.array([found.amplitudes[0], *(a for a, _ in kept)]), np.array([t for _, t in kept]), found.squares)
 
 
-def inverse(jacobian: FloatArray) -> FloatArray:
-    """What takes errors of the rows, in the base of the jacobian's left singular vectors, to those of the unknowns: V S^-1.
+def left_over(found: Sequence[Found], data: int) -> tuple[float, str]:
+    """What a difference over its scale is by chance, if the series with most terms misses nothing else; and that in words."""
+    richest = found[-1]
+    level = math.sqrt(richest.squares / (data - unknowns(richest.times.size)))
+    return max(level, ROUND_OFF), f"what a series of {richest.times.size} terms leaves over"
 
-    Its product with its transpose is (J^T J)^-1. Columns are scaled first, so that units lose no digits.
-    """
-    length = np.linalg.norm(jacobian, axis=0)
-    _, singular, directions = np.linalg.svd(jacobian / length, full_matrices=False)
+
+def inverse(jacobian: FloatArray) -> FloatArray:
+    """What takes errors of the rows, in the base of `left_vectors`, to those of the unknowns; times its transpose it is (J^T J)^-1."""
+    length, singular, directions = _decomposed(jacobian)[1:]
     return np.asarray(directions.T / np.maximum(singular, 1e-14 * singular[0]) / length[:, None])
+
+
+def left_vectors(jacobian: FloatArray) -> FloatArray:
+    """The jacobian's left singular vectors."""
+    return _decomposed(jacobian)[0]
+
+
+def _decomposed(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Left vectors, lengths of the columns, singular values and right vectors of the columns over their lengths: units lose no digits."""
+    length = np.linalg.norm(jacobian, axis=0)
+    left, singular, directions = np.linalg.svd(jacobian / length, full_matrices=False)
+    return left, length, singular, directions
 
 
 def of_modulus(found: Found) -> tuple[Relaxation, FloatArray]:
