@@ -34,7 +34,12 @@ def tournament(
 
 @tradeoff.command("law")
 def tradeoff_law(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="What fe2dem tournament wrote.", show_default=False)],
+    folder: Annotated[
+        Path | None, typer.Argument(metavar="FOLDER", help="What fe2dem tournament wrote; none with --in-time.", show_default=False)
+    ] = None,
+    in_time: Annotated[
+        bool, typer.Option("--in-time", help="Viscoelastic laws: terms and Ting's retreat, measured now, in two minutes.")
+    ] = False,
     quantity: Annotated[str | None, option("One of the scores, such as force; default: all.")] = None,
     tolerance: Annotated[float | None, option("Largest relative error: names the cheapest law that keeps it (0.01 is 1 %).")] = None,
     max_overlap: Annotated[float | None, option("Only overlaps over the radius up to this.")] = None,
@@ -43,7 +48,21 @@ def tradeoff_law(
         Path | None, option("SCORES.parquet: what --tolerance of `fit` and `predict` goes by (calibration/data/tradeoff_law.parquet).")
     ] = None,
 ) -> None:
-    """Error of the laws against nanoseconds per contact, from the scores of a tournament."""
+    """Error of the laws against nanoseconds per contact, from the scores of a tournament; with --in-time of the viscoelastic ones."""
+    from contactlaws.errors import InputError, Problem
+
+    given = {"quantity": quantity, "tolerance": tolerance, "max_overlap": max_overlap, "save_scores": save_scores, "FOLDER": folder}
+    if in_time:
+        for name, value in given.items():
+            if value is not None:
+                option_name = name if name == "FOLDER" else f"--{name.replace('_', '-')}"
+                raise InputError(Problem(option_name, str(value), "is for the scores of a tournament", "leave it or --in-time out"))
+        from cases.tradeoff.law_in_time import tradeoff_in_time
+
+        tradeoff_in_time(out)
+        return
+    if folder is None:
+        raise InputError(Problem("FOLDER", None, "is needed", "make one with `fe2dem tournament`, or give --in-time"))
     from cases.tradeoff.law import tradeoff_law as show
 
     show(folder, quantity, tolerance, max_overlap, out)
