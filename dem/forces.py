@@ -22,9 +22,9 @@ def forget(law, scale, memory, row):  # type: ignore[no-untyped-def]
         touched = touched or value != 0.0
     if not touched:
         return 0.0
-    for k in range(memory.shape[1]):
-        memory[row, k] = 0.0
     stored, dissipated = pair.pair_energy(law, scale, 0.0, state)
+    for k in range(memory.shape[1]):  # afterwards: the state may be this very row
+        memory[row, k] = 0.0
     return stored + dissipated
 
 

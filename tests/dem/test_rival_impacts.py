@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+import numpy as np
 import pytest
 
 from contactlaws.material import Material
 from contactlaws.maxwell_zener import maxwell_zener
+from contactlaws.maxwell_zener_ting import maxwell_zener_ting
 from contactlaws.prony import Relaxation
 from contactlaws.rivals.becker_kamlah import PUBLISHED, BeckerKamlah
 from contactlaws.rivals.hertz_spring_dashpot import hertz_spring_dashpot, restitution_of
 from contactlaws.rivals.kuwabara_kono import kuwabara_kono
+from contactlaws.rivals.wahn_gan_kamlah import wahn_gan_kamlah
 from dem import impact
-from dem.impact import restitution
+from dem.box import Box
+from dem.forces import LOST_ENERGY
+from dem.impact import closing_speed, restitution
+from dem.motion import Deformation
+from dem.particles import spheres
+from dem.timestep import collision_overlap, time_step
+from dem.working import follow, working
 
 RADIUS, DENSITY = 5e-6, 4750.0
 REDUCED_MASS = 0.5 * DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3
@@ -74,3 +84,36 @@ def test_a_slow_collision_is_that_of_a_relaxing_body() -> None:
     ratio = 1e-6 / damped.contact_time[0]
     assert ratio < 1.0 / 500.0
     assert 1.0 - relaxing.restitution[0] == pytest.approx(1.0 - damped.restitution[0], rel=5.0 * ratio)
+
+
+SLOW = Relaxation(1e7, (0.5,), (1e-3,))
+
+
+@pytest.mark.parametrize(
+    ("law", "missing"),
+    [
+        # these know their energy by the work of each step, as the simulation does
+        (maxwell_zener(SLOW, 1e-3), 1e-11),
+        (maxwell_zener_ting(SLOW, 1e-3, springs=4), 1e-11),
+        # the elastic energy in closed form: second order in the step
+        (hertz_spring_dashpot(Material(1e7, 0.3, None, 2500.0), 1e-3, 0.3), 1e-4),
+        (kuwabara_kono(SLOW._replace(times=(1e-4,)), 1e-3), 1e-4),
+        # pulled to the end, where the force jumps: first order
+        (wahn_gan_kamlah(SLOW, 1e-3), 3e-3),
+    ],
+    ids=["maxwell_zener", "maxwell_zener_ting", "hertz_spring_dashpot", "kuwabara_kono", "wahn_gan_kamlah"],
+)
+def test_what_a_collision_loses_is_in_the_simulations_account(law: Any, missing: float) -> None:
+    """Kinetic energy before and after against the energy of the contact that has ended, over the energy before."""
+    speed, radius = 0.1, 1e-3
+    bodies = spheres([[0.0, 0.0, 0.0], [2.0 * radius, 0.0, 0.0]], radius, 2500.0, [[0.5 * speed, 0.0, 0.0], [-0.5 * speed, 0.0, 0.0]])
+    dt = time_step(law, bodies, collision_overlap(law, bodies, speed), 0.01, contacts=1).dt
+    edges = np.full(3, 20.0 * radius)
+    work = working(law, bodies, Box((edges[0], edges[1], edges[2]), (False, False, False)), radius)
+    work, _ = follow(law, work, Deformation(edges, edges, 1, dt), 0, 2000)
+    assert closing_speed(work) < 0.0
+    assert work.memory is not None
+    assert not work.memory.any()
+    before, after = (0.25 * float(bodies.mass[0]) * v**2 for v in (speed, closing_speed(work)))
+    assert work.tally[LOST_ENERGY] > 0.1 * before
+    assert before - after == pytest.approx(work.tally[LOST_ENERGY], abs=missing * before)
