@@ -34,11 +34,12 @@ STEP = 1e-4
 
 
 class Path(NamedTuple):
-    """One curve, from its first touch on: `rows` says where in the finer steps the curve's own rows are."""
+    """One curve, from its first touch on, in finer steps: the curve's rows `own` are the steps `rows`."""
 
     time: FloatArray  # s
     overlap: FloatArray  # m
     rows: npt.NDArray[np.int64]
+    own: npt.NDArray[np.int64]
     force: FloatArray  # N, of the curve's rows
     growing: int  # how many of these come before the contact shrinks
 
@@ -79,6 +80,7 @@ def path_of(curve: Curve) -> Path:
         np.interp(place, rows, curve.time[own]),
         np.interp(place, rows, curve.overlap[own]),
         rows[kept],
+        own[kept],
         curve.force[own][kept],
         int(np.count_nonzero(kept[:growing])),
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -12,8 +11,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
-from calibration.recipes import Recipe, free_names, recipe_for
-from calibration.residuals import WEIGHTS, Block, Measures, blocks, error_product, measures, residual_vector
+from calibration import recipes_viscoelastic
+from calibration.fit_record import Fit, problems_with_bodies, stops
+from calibration.recipes import IN_TIME, Recipe, free_names, recipe_for
+from calibration.residuals import WEIGHTS, Block, blocks, error_product, measures, residual_vector
 from calibration.trust import Trust, doubts, trust
 from contactlaws.curve import Curve
 from contactlaws.errors import Problem, require
@@ -21,30 +22,7 @@ from contactlaws.fitted import FittedLaw
 
 FloatArray = npt.NDArray[np.float64]
 Difference = Callable[[FloatArray], FloatArray]
-
-
-@dataclass(frozen=True)
-class Fit:
-    """A fitted law and everything that says how good it is."""
-
-    fitted: FittedLaw  # the record, its range, its standard errors: what `contactlaws.fitted.save` writes
-    free: tuple[str, ...]  # the fitted parameters, in the order of `correlation`
-    correlation: FloatArray  # NaN for a parameter that the curves say nothing about
-    condition_number: float  # of the scaled Jacobian; infinite with such a parameter
-    misfit: float  # residuals over the curves' own error; above 1 the law is the limit
-    residuals: Measures
-    warnings: tuple[str, ...]
-    evaluations: int  # of the law along all curves, without those for derivatives
-
-    @property
-    def law(self) -> Any:
-        """The law record."""
-        return self.fitted.law
-
-    @property
-    def standard_errors(self) -> Mapping[str, float | None]:
-        """In the unit of each free parameter; None: the curves say nothing about it."""
-        return self.fitted.standard_errors
+__all__ = ["Fit", "fit"]
 
 
 def fit(
@@ -53,6 +31,7 @@ def fit(
     fixed: Mapping[str, float] | None = None,
     weights: Mapping[str, float] | None = None,
     free: Iterable[str] = (),
+    terms: int | None = None,
 ) -> Fit:
     """Fit the registered law named `law` to one body's curves.
 
@@ -60,10 +39,16 @@ def fit(
     all the same. `weights` of force, contact_radius and unloading multiply the squares (each branch counts as one datum with the curve's
     own error). Measured curves (no material, no contact radius) are fitted the same way, with more parameters free.
 
+    Curves in time and the viscoelastic laws belong together (`calibration.recipes_viscoelastic`): `fixed` may give poissons_ratio, and
+    `terms` the number of relaxation times, which is chosen otherwise.
+
     Raises `InputError` for curves of different bodies or materials, unknown names, or a parameter that must be given.
     """
     given = (curves,) if isinstance(curves, Curve) else tuple(curves)
+    if law in IN_TIME:
+        return recipes_viscoelastic.fit_viscoelastic(given, law, fixed or {}, weights or {}, tuple(free), terms)
     recipe, chosen, held = recipe_for(law), {**WEIGHTS, **(weights or {})}, dict(fixed or {})
+    require(_problems_with_time(given, law, terms))
     require(_problems(given, recipe, chosen, held, tuple(free)))
     known = {**recipe.constants(given, held), **held}
     selected = recipe.select(given)
@@ -92,7 +77,7 @@ def fit(
         curve_hashes=tuple(curve.content_hash for curve in given),
         standard_errors=errors,
     )
-    remarks = (*recipe.remarks(given, {*held, *names}), *_remarks(selected))
+    remarks = (*recipe.remarks(given, {*held, *names}), *stops(selected))
     warnings = (*failed, *doubts(found, names, [parameter.above for parameter in unknown]), *remarks)
     return Fit(fitted, names, found.correlation, found.condition_number, found.misfit, measures(outcome, selected), warnings, evaluations)
 
@@ -107,10 +92,13 @@ def _solve(difference: Difference, inner: FloatArray, parts: Sequence[Block]) ->
     return result.x, trust(result.jac, result.fun, partial(error_product, parts), data), int(result.nfev), failed
 
 
-def _remarks(curves: Sequence[Curve]) -> Iterator[str]:
-    for curve in curves:
-        if curve.stopped:
-            yield f"curve {curve.content_hash} ends early: {curve.stopped}"
+def _problems_with_time(curves: Sequence[Curve], law: str, terms: int | None) -> Iterator[Problem]:
+    remedy = f"fit one of {', '.join(IN_TIME)}"
+    for number, curve in enumerate(curves):
+        if curve.in_time:
+            yield Problem(f"curves[{number}]", "a curve in time", f"its force depends on time, of which {law} knows nothing", remedy)
+    if terms is not None:
+        yield Problem("terms", terms, f"{law} has no relaxation times", f"leave it out, or {remedy}")
 
 
 def _problems(
@@ -136,19 +124,10 @@ def _problems(
         if name not in WEIGHTS or not (math.isfinite(weight) and weight >= 0.0):
             yield Problem(f"weights[{name}]", weight, f"must be a number from 0 for one of {', '.join(WEIGHTS)}", "correct it")
     yield from _problems_with_force(curves)
-    first = curves[0]
-    if first.aspect != 1.0 and not recipe.spheroids:
+    if curves[0].aspect != 1.0 and not recipe.spheroids:
         bound = f"must be 1: {recipe.law} describes a sphere, and this is a curve of a spheroid"
-        yield Problem("aspect", first.aspect, bound, "fit 'hertz' for small overlaps, or 'tabulated' for this very body")
-    for number, curve in enumerate(curves[1:], 1):
-        if not math.isclose(curve.radius, first.radius, rel_tol=1e-9) or curve.aspect != first.aspect:
-            yield Problem(
-                f"curves[{number}]", (curve.radius, curve.aspect), "is of another body (radius, aspect)", "fit each body on its own"
-            )
-        if not _same_elasticity(curve, first):
-            yield Problem(
-                f"curves[{number}]", curve.material, f"is of another material than {first.material}", "fit each material on its own"
-            )
+        yield Problem("aspect", curves[0].aspect, bound, "fit 'hertz' for small overlaps, or 'tabulated' for this very body")
+    yield from problems_with_bodies(curves)
 
 
 def _problems_with_force(curves: Sequence[Curve]) -> Iterator[Problem]:
@@ -157,14 +136,3 @@ def _problems_with_force(curves: Sequence[Curve]) -> Iterator[Problem]:
         if last <= 0.0:
             bound = "must be positive at the end of the loading"
             yield Problem(f"curves[{number}]: force", last, bound, "check its sign and zero: compression is positive")
-
-
-def _same_elasticity(curve: Curve, other: Curve) -> bool:
-    """The same material, or its elastic version."""
-    if curve.material is None or other.material is None:
-        return curve.material is other.material
-    one, two = curve.material, other.material
-    same = math.isclose(one.youngs_modulus, two.youngs_modulus, rel_tol=1e-9) and math.isclose(
-        one.poissons_ratio, two.poissons_ratio, abs_tol=1e-12
-    )
-    return same and (one.yield_stress is None or two.yield_stress is None or math.isclose(one.yield_stress, two.yield_stress, rel_tol=1e-9))

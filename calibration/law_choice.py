@@ -176,6 +176,9 @@ def fit_within(
         raise InputError(Problem("quantity", quantity, f"must be one of {', '.join(Measures._fields)}", "choose one"))
     if not tolerance > 0.0:
         raise InputError(Problem("tolerance", tolerance, "must be above 0", "0.01 is 1 %"))
+    if any(curve.in_time for curve in curves):
+        bound = "leaves nothing to choose: a curve in time is for laws with relaxation times"
+        raise InputError(Problem("tolerance", tolerance, bound, "name the law: maxwell_zener_ting"))
     order = sorted((shipped() if table is None else table).nanoseconds.items(), key=lambda item: item[1])
     trials: list[Trial] = []
     for number, (law, nanoseconds) in enumerate(order):

@@ -57,6 +57,8 @@ class Recipe(NamedTuple):
 
 
 _RECIPES: dict[str, Recipe] = {}
+#: viscoelastic laws, which are fitted to curves in time in a way of their own (`calibration.recipes_viscoelastic`)
+IN_TIME = ("maxwell_zener", "maxwell_zener_ting")
 
 
 def register(recipe: Recipe) -> None:
@@ -67,11 +69,8 @@ def register(recipe: Recipe) -> None:
 def recipe_for(law: str) -> Recipe:
     """The recipe of a registered law; raises `InputError` naming the known ones."""
     if law not in _RECIPES:
-        raise InputError(
-            Problem(
-                "law", law, f"no recipe to fit it; known are {', '.join(_RECIPES)}", "choose one, or calibration.recipes.register yours"
-            )
-        )
+        bound = f"no recipe to fit it; known are {', '.join([*_RECIPES, *IN_TIME])}"
+        raise InputError(Problem("law", law, bound, "choose one, or calibration.recipes.register yours"))
     return _RECIPES[law]
 
 

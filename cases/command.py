@@ -177,13 +177,16 @@ def fit(
     youngs_modulus: Annotated[Text, option("Where a measured curve's file does not say it.")] = None,
     poissons_ratio: Annotated[Text, option("Where a measured curve's file does not say it.")] = None,
     yield_stress: Annotated[Text, option("Where a measured curve's file does not say it.")] = None,
+    terms: Annotated[Text, option("Relaxation times of maxwell_zener(_ting), from curves in time; default: smallest BIC.")] = None,
 ) -> None:
     """Fit a law to one or several curves; prints parameters with their errors."""
     from cases import single
 
     sample = {"radius": radius, "youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "yield_stress": yield_stress}
     if tolerance is None:
-        single.fit(curves or [], law, out, _given(sample))
+        single.fit(curves or [], law, out, _given(sample), terms)
+    elif terms is not None:
+        _refuse("--terms", terms, "is for a law that is named", "give --law maxwell_zener_ting, and leave out --tolerance")
     else:
         single.fit_within(curves or [], law, tolerance, quantity, out, _given(sample))
 

@@ -79,11 +79,10 @@ def show_curve(curve: Any, path: Path) -> None:
 def show_fit(fit: Any, path: Path | None) -> None:
     """Parameters with errors, residual measures, warnings."""
     table = sheet("parameter", "value", "standard error")
-    for name, value in zip(fit.law._fields, fit.law, strict=True):
-        if not hasattr(value, "shape"):
-            table.add_row(
-                name, number(float(value), 7), number(fit.standard_errors.get(name), 2) if name in fit.standard_errors else "given"
-            )
+    for name, value in _parameters(fit):
+        table.add_row(
+            escape(name), number(float(value), 7), number(fit.standard_errors.get(name), 2) if name in fit.standard_errors else "given"
+        )
     out.print(f"{fit.fitted.name}: {fit.fitted.source}")
     out.print(table)
     out.print(
@@ -96,6 +95,15 @@ def show_fit(fit: Any, path: Path | None) -> None:
         log.print(f"[yellow]warning[/] {escape(warning)}")
     if path is not None:
         out.print(f"saved: {path}")
+
+
+def _parameters(fit: Any) -> Iterator[tuple[str, float]]:
+    """Those that are numbers, and the numbers of rows that were fitted; tables that a law is made of are left out."""
+    for name, value in zip(fit.law._fields, fit.law, strict=True):
+        if not hasattr(value, "shape"):
+            yield name, value
+        elif value.ndim == 1 and f"{name}[1]" in fit.standard_errors:
+            yield from ((f"{name}[{place}]", number) for place, number in enumerate(value.tolist(), 1))
 
 
 def show_trials(trials: Iterable[Any], quantity: str, tolerance: float) -> None:

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field
 from rich.markup import escape
 
 from calibration.prony_doubts import doubts
+from calibration.prony_facts import facts_of
 from calibration.prony_fit import fit_prony
-from calibration.prony_record import PronyFit
+from calibration.prony_record import PronyFit, SeriesFit
 from calibration.prony_table import PronyTable, read_table
 from cases import console
 from cases.casefile.validation import Record, in_unit
@@ -72,15 +72,15 @@ def _unknown_ratio(table: PronyTable, options: PronyOptions) -> list[Problem]:
 
 def write(found: PronyFit, options: PronyOptions, out: Path) -> None:
     """Write the series with the facts of its fit, and say where."""
-    facts = facts_of(found)
+    comments = facts(found)
     ratio = options.poissons_ratio
     if ratio is None:
-        write_youngs(found.modulus, out, facts)
+        write_youngs(found.modulus, out, comments)
     else:
         material = found.material(ratio, options.constant_bulk)
         fractions, times = found.shear_errors(ratio, options.constant_bulk)
-        facts["standard_errors"] = {"shear_fraction": list(fractions), "relaxation_time": list(times)}
-        write_series(material, out, facts)
+        comments["standard_errors"] = {"shear_fraction": list(fractions), "relaxation_time": list(times)}
+        write_series(material, out, comments)
         after = material.long_term
         console.out.print(
             f"Young's modulus {material.youngs_modulus:.6g} Pa, Poisson's ratio {ratio:.4g} at once; "
@@ -89,27 +89,25 @@ def write(found: PronyFit, options: PronyOptions, out: Path) -> None:
     console.out.print(f"saved: {out}")
 
 
-def facts_of(found: PronyFit) -> dict[str, Any]:
+def facts(found: PronyFit) -> dict[str, Any]:
     """What goes into the file's comments: the table, and the fit of its own modulus."""
-    table = found.table
-    return {
-        "table": {"name": table.name, "sha256": table.sha256, "kind": table.kind, "modulus": "shear" if table.shear else "uniaxial"},
-        "fit": {
-            "values": dict(zip(found.names, found.values.tolist(), strict=True)),
-            "standard_errors": dict(found.standard_errors),
-            "correlation": np.round(found.correlation, 6).tolist(),
-            "noise": found.noise,
-            "noise_from": found.noise_from,
-            "misfit": found.misfit,
-            "window": list(table.window),
-        },
-        "candidates": [one._asdict() for one in found.candidates],
-        "warnings": list(doubts(found)),
-    }
+    table, fit = found.table, facts_of(found)
+    of_table = {"name": table.name, "sha256": table.sha256, "kind": table.kind, "modulus": "shear" if table.shear else "uniaxial"}
+    return {"table": of_table, **fit, "fit": {**fit["fit"], "noise": found.noise}}
 
 
 def show(found: PronyFit) -> None:
     """Candidates, the numbers of the table's own modulus with their errors, and what the table does not tell."""
+    show_candidates(found)
+    console.out.print(_numbers(found))
+    show_trust(found)
+    console.out.print(console.correlations(found.names, found.correlation))
+    for warning in doubts(found):
+        console.log.print(f"[yellow]warning[/] {escape(warning)}")
+
+
+def show_candidates(found: SeriesFit) -> None:
+    """The best series of each number of terms, and which was taken."""
     best = min(found.candidates, key=lambda one: one.bic).terms
     candidates = console.sheet("terms", "chi squared", "AICc", "BIC", "")
     for one in found.candidates:
@@ -117,14 +115,14 @@ def show(found: PronyFit) -> None:
         candidates.add_row(str(one.terms), f"{one.chi_squared:.6g}", f"{one.aicc:.6g}", f"{one.bic:.6g}", ", ".join(remark))
     candidates.columns[4].justify = "left"
     console.out.print(candidates)
-    console.out.print(_numbers(found))
-    low, high = found.table.window
-    scatter = "stated for each number" if found.noise is None else f"{100.0 * found.noise:.3g} % of each number"
-    console.out.print(f"noise: {scatter} ({found.noise_from}); misfit {console.number(found.misfit, 3)} times that")
-    console.out.print(f"the table sees relaxation times from {low:.4g} to {high:.4g} s")
-    console.out.print(console.correlations(found.names, found.correlation))
-    for warning in doubts(found):
-        console.log.print(f"[yellow]warning[/] {escape(warning)}")
+
+
+def show_trust(found: SeriesFit) -> None:
+    """Noise, misfit and window."""
+    low, high = found.window
+    console.out.print(f"noise: {found.scatter} ({found.noise_from}); misfit {console.number(found.misfit, 3)} times that")
+    verb = "sees" if found.source == "table" else "see"
+    console.out.print(f"the {found.source} {verb} relaxation times from {low:.4g} to {high:.4g} s")
 
 
 def _numbers(found: PronyFit) -> Any:

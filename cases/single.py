@@ -78,11 +78,21 @@ def _rivals_of_a_profile(options: Mapping[str, Any]) -> Iterator[Problem]:
             yield Problem(f"--{name}", options[name], "a profile says itself how large and how wide the body is", "leave it out")
 
 
-def fit(curves: Sequence[Path], law: str | None, out: Path | None, sample: Mapping[str, Any]) -> None:
-    """Fit a law to curves from files and say how well it went. `sample`: radius and constants that measured files leave out."""
+def fit(curves: Sequence[Path], law: str | None, out: Path | None, sample: Mapping[str, Any], terms: str | None = None) -> None:
+    """Fit a law to curves from files and say how well it went. `sample`: radius and constants that measured files leave out.
+
+    `terms`: how many relaxation times, of a viscoelastic law.
+    """
+    from calibration.recipes import IN_TIME
     from contactlaws.dispatch import laws
 
+    if law in IN_TIME:
+        from cases.fit_in_time import fit_in_time
+
+        return fit_in_time(curves, law, out, {**sample, **({} if terms is None else {"terms": terms})})
     found, problems = _curves(curves, sample)
+    if terms is not None:
+        problems.append(Problem("--terms", terms, "is for laws with relaxation times", f"leave it out, or use {' or '.join(IN_TIME)}"))
     if law is None:
         problems.append(Problem("--law", None, "is needed", f"use one of: {', '.join(laws())}"))
     elif law not in laws():

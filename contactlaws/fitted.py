@@ -23,7 +23,7 @@ from contactlaws.version import code_version
 
 FORMAT = "fe2dem fitted law 1"
 KEYS = ("format", "law", "parameters", "material", "max_overlap", "curve_hashes", "code_version", "standard_errors")
-#: may be left out: where the law comes from if from no fit to curves, and how wrong it may be
+#: may be left out: where the law comes from if from no fit to curves, how it was chosen, and how wrong it may be
 OPTIONAL_KEYS = ("origin",)
 
 
@@ -31,7 +31,8 @@ OPTIONAL_KEYS = ("origin",)
 class FittedLaw:
     """A law record and its papers. Raises `InputError` if they cannot be true (a law that pulls, a range beyond the body, ...).
 
-    `standard_errors` names only parameters that were free in the fit; None is one that the curves say nothing about.
+    `standard_errors` names only parameters that were free in the fit, those of a row as "times[1]", "times[2]" ...; None is one that the
+    curves say nothing about.
     """
 
     law: Any  # a record of a registered law
@@ -205,6 +206,13 @@ def _problems_with_values(content: dict[str, Any], record: Any, place: str) -> I
         yield Problem(f"{place}: standard_errors", errors, "must map parameters to numbers or null", "repair or refit the law")
 
 
+def _names(name: str, value: Any) -> Iterator[str]:
+    """A parameter that is a number is called by its name, the numbers of a row by their place in it as well."""
+    yield name
+    if np.ndim(value) == 1:
+        yield from (f"{name}[{place}]" for place in range(1, np.size(value) + 1))
+
+
 def _problems(fitted: FittedLaw) -> Iterator[Problem]:
     """What holds for any law: a body of positive size, a push at the largest overlap, errors of parameters that exist."""
     law = fitted.law
@@ -217,8 +225,9 @@ def _problems(fitted: FittedLaw) -> Iterator[Problem]:
         return
     if fitted.material is not None:
         yield from problems_with(fitted.material)
+    known = {number for name, value in zip(law._fields, law, strict=True) for number in _names(name, value)}
     for name, value in fitted.standard_errors.items():
-        if name not in law._fields or (value is not None and not (math.isfinite(value) and value >= 0.0)):
+        if name not in known or (value is not None and not (math.isfinite(value) and value >= 0.0)):
             yield Problem(f"standard_errors[{name}]", value, f"must be a positive number for one of {', '.join(law._fields)}", "drop it")
     damaged = tuple(registered.problems(law))
     yield from damaged
