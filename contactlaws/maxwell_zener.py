@@ -91,18 +91,19 @@ def _problems_with_body(law: MaxwellZener) -> Iterator[Problem]:
 
 
 @inlined
-def grow(law, overlap, dt, state, first):  # type: ignore[no-untyped-def]
+def grow(law, fractions, times, overlap, dt, state, first, lengths):  # type: ignore[no-untyped-def]
     """Take f_i and q_i, from float `first` of the state on, through a step of `dt` to `overlap`; returns force and elastic force in N.
 
-    The energy dissipated is added up. Steps count as straight in overlap and elastic force; the dissipation of a step is then never
+    fractions, times: the law's; each look into a record of arrays counts a reference. lengths: whether the strains of springs that move
+    with the overlap follow, one for each term. The energy dissipated is added up. Steps count as straight in overlap and elastic force; the dissipation of a step is then never
     negative while the contact grows.
     """
-    terms = law.fractions.size
+    terms = fractions.size
     elastic = finite_size_force(law, overlap)
     risen, moved = elastic - state[ELASTIC], overlap - state[OVERLAP]
     force, lost = elastic, 0.0
     for i in range(terms):
-        g, x = law.fractions[i], dt / law.times[i]
+        g, x = fractions[i], dt / times[i]
         e, h, m = decay_and_mean(x)
         old, kept = state[first + i], state[first + terms + i]
         left = e * old
@@ -113,6 +114,8 @@ def grow(law, overlap, dt, state, first):  # type: ignore[no-untyped-def]
         lost += g * max(0.0, moved * (h * old + m * risen) - 0.5 * (energy - kept))
         state[first + terms + i] = max(0.0, energy)
         force += g * (new - elastic)
+        if lengths:
+            state[first + 2 * terms + i] = e * state[first + 2 * terms + i] + h * moved
     state[LOST] += lost
     return force, elastic
 
@@ -130,7 +133,7 @@ def maxwell_zener_force(law, overlap, rate, dt, state):  # type: ignore[no-untyp
     if overlap <= 0.0:
         forget(state)
         return 0.0, state
-    force, elastic = grow(law, overlap, dt, state, FIRST)
+    force, elastic = grow(law, law.fractions, law.times, overlap, dt, state, FIRST, False)
     force = max(0.0, force)
     state[WORK] += 0.5 * (force + state[FORCE]) * (overlap - state[OVERLAP])
     state[OVERLAP], state[ELASTIC], state[FORCE] = overlap, elastic, force

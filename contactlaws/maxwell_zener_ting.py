@@ -29,12 +29,14 @@ from contactlaws.errors import InputError, Problem
 from contactlaws.maxwell_zener import ELASTIC, FORCE, LOST, OVERLAP, WORK, forget, frozen, grow, maxwell_zener, problems_with_terms
 from contactlaws.prony import Relaxation
 from contactlaws.remembered_springs import (
+    AHEAD,
     DEEPEST,
     EDGE,
     FIRST,
     KEPT,
     SCALE,
     TIME,
+    TOUCHED,
     begin_growth,
     begin_retreat,
     elastic_point,
@@ -92,16 +94,31 @@ def _problems(law: MaxwellZenerTing) -> Iterator[Problem]:
 
 @inlined
 def maxwell_zener_ting_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
-    """One step: by the recurrence while the contact grows, by the springs otherwise."""
+    """One step. What most contacts do, growing on to no further spring, is part of the caller; the rest is a call of its own."""
+    if state[OVERLAP] <= overlap <= state[AHEAD]:
+        force, elastic = grow(law, law.fractions, law.times, overlap, dt, state, FIRST, True)
+        state[WORK] += 0.5 * (force + state[FORCE]) * (overlap - state[OVERLAP])
+        state[TIME] += dt
+        state[OVERLAP], state[ELASTIC], state[FORCE] = overlap, elastic, force
+        return force, state
+    return other_step(law, overlap, dt, state), state
+
+
+@kernel
+def other_step(law, overlap, dt, state):  # type: ignore[no-untyped-def]
+    """A step of a contact that opens, begins, grows on to the next springs, or has turned: by the recurrence while it grows, by the springs
+    otherwise."""
     if overlap <= 0.0:
         forget(state)
-        return 0.0, state
+        return 0.0
     if state[SCALE] == 0.0 and overlap >= state[OVERLAP]:
-        note_touching(law, overlap, dt, state)
-        force, state[ELASTIC] = grow(law, overlap, dt, state, FIRST)
-        state[EDGE] = overlap
+        note_touching(law.times, law.onsets, overlap, dt, state)
+        force, state[ELASTIC] = grow(law, law.fractions, law.times, overlap, dt, state, FIRST, True)
     else:
-        force = turned(law, overlap, dt, state)
+        if state[SCALE] == 0.0:
+            state[DEEPEST] = state[OVERLAP]
+            begin_retreat(law, state)
+        force = retreat(law, overlap, dt, state)
     state[WORK] += 0.5 * (force + state[FORCE]) * (overlap - state[OVERLAP])
     if state[SCALE] > 0.0:
         state[LOST] = max(state[LOST], state[WORK] - state[KEPT])
@@ -109,21 +126,18 @@ def maxwell_zener_ting_force(law, overlap, rate, dt, state):  # type: ignore[no-
     state[OVERLAP], state[FORCE], state[DEEPEST] = overlap, force, max(overlap, state[DEEPEST])
     if state[SCALE] > 0.0 and overlap >= state[DEEPEST]:
         begin_growth(law, force, state)
-    return force, state
-
-
-@kernel
-def turned(law, overlap, dt, state):  # type: ignore[no-untyped-def]
-    """A step of a contact that shrinks, or has shrunk and not yet grown back."""
     if state[SCALE] == 0.0:
-        begin_retreat(law, state)
-    return retreat(law, overlap, dt, state)
+        row = int(state[TOUCHED])
+        state[AHEAD] = law.onsets[0, row] if row < law.onsets.shape[1] else math.inf
+    else:
+        state[AHEAD] = -1.0
+    return force
 
 
 @kernel
 def maxwell_zener_ting_contact_radius(law, overlap, state):  # type: ignore[no-untyped-def]
     """That of the elastic body at the overlap at which it touches as far."""
-    return math.sqrt(finite_size_area(law, min(state[EDGE], state[DEEPEST]))) if overlap > 0.0 else 0.0
+    return math.sqrt(finite_size_area(law, overlap if state[SCALE] == 0.0 else state[EDGE])) if overlap > 0.0 else 0.0
 
 
 @kernel
