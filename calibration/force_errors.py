@@ -9,7 +9,6 @@ import numpy.typing as npt
 from scipy.optimize import nnls
 
 from calibration.contact_history import Path
-from calibration.prony_search import ROUND_OFF
 from calibration.residuals import Block, error_product
 from contactlaws.curve import Curve
 
@@ -19,6 +18,9 @@ FloatArray = npt.NDArray[np.float64]
 SMALLEST = 0.01
 #: no stated error is smaller
 LEAST = 1e-3
+#: no scatter counts for less, over the largest force: by so much the law itself misses finite elements (up to 0.02 radii, Poisson's ratio
+#: constant), and no term shall be made of that
+TRUEST = 5e-4
 #: rounds until the two parts of a scatter stay as they are
 ROUNDS = 8
 #: e-folds of the time or the overlap that are told apart at a path's beginning
@@ -47,8 +49,9 @@ def scatter(differences: FloatArray, force: FloatArray) -> tuple[FloatArray, tup
     """
     line = np.column_stack((np.ones(force.size), force**2))
     # chance leaves some squares near zero, and no row may weigh more than a hundred times the others for that
-    least = max((ROUND_OFF * float(abs(force).max())) ** 2, 1e-4 * float(np.mean(differences**2)))
-    expected = np.full(force.size, max(float(np.mean(differences**2)), least))
+    mean = float(np.mean(differences**2))
+    least = max((TRUEST * float(abs(force).max())) ** 2, 1e-4 * mean)
+    expected = np.full(force.size, max(mean, least))
     size = np.linalg.norm(line, axis=0)
     parts = np.zeros(2)
     for _ in range(ROUNDS):

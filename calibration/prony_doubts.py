@@ -21,6 +21,9 @@ def doubts(fit: SeriesFit) -> Iterator[str]:
     """One sentence for each."""
     if fit.terms < fit.asked:
         yield f"only {fit.terms} of the {fit.asked} terms asked for have a weight and a time of their own; the others are left out"
+    if fit.terms == 0:
+        low, high = fit.window
+        yield f"no relaxation can be told from the noise between {low:.4g} and {high:.4g} s; what is faster or slower is not seen"
     yield from _unseen(fit)
     yield from _undetermined(fit)
     if fit.misfit**2 > 1.0 + NO_CHANCE * math.sqrt(2.0 / fit.freedom):

@@ -14,7 +14,7 @@ from calibration import force_errors
 from calibration.contact_history import Growing, Path, Whole, growing_part, path_of
 from calibration.prony_outcome import candidates_of, inverse, left_over, left_vectors, of_modulus, tidied
 from calibration.prony_record import SeriesFit
-from calibration.prony_search import SMALLEST, grid, most_terms, search, spectrum, unknowns
+from calibration.prony_search import SMALLEST, Found, grid, most_terms, search, spectrum, unknowns
 from contactlaws.curve import Curve
 from contactlaws.errors import Problem, require
 from contactlaws.maxwell_zener import MaxwellZener, maxwell_zener
@@ -58,7 +58,7 @@ def fit_series(curves: Sequence[Curve], shrinking: bool = True, poissons_ratio: 
     noise = _stated(used, paths) if force_errors.all_state_errors(used) else _shown(target, window)
     target = replace(target, scale=noise.scale)
     found = search(target, window, terms)
-    level, origin = (1.0, "stated by the curves, and common to the rows of each") if noise.stated else left_over(found, target.count)
+    level, origin = (1.0, "stated by the curves, and common to the rows of each") if noise.stated else _level(found, target)
     candidates = candidates_of(found, level, target.count)
     asked = min(candidates, key=lambda one: one.bic).terms if terms is None else terms
     chosen = tidied(found[asked])
@@ -67,9 +67,10 @@ def fit_series(curves: Sequence[Curve], shrinking: bool = True, poissons_ratio: 
     modulus, change = of_modulus(chosen)
     jacobian = target.slopes(chosen.amplitudes, chosen.times)
     half = change @ inverse(jacobian)
+    shared = force_errors.inherited(paths, left_vectors(jacobian)) if noise.stated else np.eye(half.shape[1])
     return ForceFit(
         modulus=modulus,
-        covariance=_covariance(jacobian, half, paths, misfit) if noise.stated else (level * misfit) ** 2 * half @ half.T,
+        covariance=(level * max(1.0, misfit)) ** 2 * half @ shared @ half.T,
         candidates=candidates,
         scatter=noise.words(level),
         noise_from=origin,
@@ -119,6 +120,13 @@ def _shown(target: Growing, window: tuple[float, float]) -> Noise:
     return noise
 
 
+def _level(found: Sequence[Found], target: Growing) -> tuple[float, str]:
+    """By what the scale of scattering forces is to be multiplied, and why."""
+    level, origin = left_over(found, target.count)
+    least = force_errors.TRUEST * float(abs(target.force).max() / np.median(target.scale))
+    return (level, origin) if level > least else (least, "no law is truer")
+
+
 def _target(curves: Sequence[Curve], paths: tuple[Path, ...], shrinking: bool, poissons_ratio: float | None) -> Growing:
     unit, radius = Relaxation(1.0), curves[0].radius
     scale = np.ones(sum(path.force.size for path in paths))
@@ -128,12 +136,6 @@ def _target(curves: Sequence[Curve], paths: tuple[Path, ...], shrinking: bool, p
 
 def _law(modulus: Relaxation, radius: float, poissons_ratio: float | None, shrinking: bool) -> MaxwellZener | MaxwellZenerTing:
     return (maxwell_zener_ting if shrinking else maxwell_zener)(modulus, radius, poissons_ratio)
-
-
-def _covariance(jacobian: FloatArray, half: FloatArray, paths: Sequence[Path], misfit: float) -> FloatArray:
-    """Of the modulus' numbers, from errors that are correlated along the curves; half: from left singular vectors to these numbers."""
-    inherited = force_errors.inherited(paths, left_vectors(jacobian))
-    return np.asarray(max(1.0, misfit) ** 2 * half @ inherited @ half.T)
 
 
 def _problems(target: Growing, terms: int | None) -> Iterator[Problem]:

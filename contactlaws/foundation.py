@@ -136,15 +136,34 @@ def _follow(onset, stiffness, fractions, times, time, control, by_force):  # typ
                     edge[n] = onset[k - 1] + (onset[k] - onset[k - 1]) * last / (last - one)
                 added -= one / at_once
             last = one
-            energy = 0.5 * long_term * (length[k] + added) ** 2
-            for i in range(terms):
-                lost += stiffness[k] * fractions[i] * damped(strain[k, i], added, decay[i], held[i])
-                strain[k, i] = decay[i] * strain[k, i] + held[i] * added
-                energy += 0.5 * fractions[i] * strain[k, i] ** 2
-            length[k] += added
+            energy, gone = _move(long_term, fractions, decay, held, length, strain, k, added, one > 0.0)
             kept += stiffness[k] * energy
+            lost += stiffness[k] * gone
         overlap[n], force[n], stored[n], dissipated[n] = flat, total, kept, lost
     return overlap, force, edge, stored, dissipated
+
+
+@kernel
+def _move(long_term, fractions, decay, held, length, strain, row, added, pressed):  # type: ignore[no-untyped-def]
+    """Lengthen one spring by `added` in the step; its energy then and what its dampers took, both over its stiffness.
+
+    Of a spring that ends off the flat, motion is not straight; what it loses is energy, and the work of a force that falls to zero.
+    """
+    before, after, push, taken = (
+        0.5 * long_term * length[row] ** 2,
+        0.5 * long_term * (length[row] + added) ** 2,
+        long_term * length[row],
+        0.0,
+    )
+    for i in range(fractions.size):
+        old = strain[row, i]
+        strain[row, i] = decay[i] * old + held[i] * added
+        before += 0.5 * fractions[i] * old**2
+        after += 0.5 * fractions[i] * strain[row, i] ** 2
+        push += fractions[i] * old
+        taken += fractions[i] * damped(old, added, decay[i], held[i])
+    length[row] += added
+    return after, taken if pressed else max(0.0, 0.5 * max(push, 0.0) * added + before - after)
 
 
 @kernel

@@ -26,7 +26,19 @@ from contactlaws.compiled import inlined, kernel
 from contactlaws.dispatch import Law, register
 from contactlaws.elastic import finite_size_area, largest_finite_size_stiffness
 from contactlaws.errors import InputError, Problem
-from contactlaws.maxwell_zener import ELASTIC, FORCE, LOST, OVERLAP, WORK, forget, frozen, grow, maxwell_zener, problems_with_terms
+from contactlaws.maxwell_zener import (
+    ELASTIC,
+    FORCE,
+    LOST,
+    OVERLAP,
+    WORK,
+    MaxwellZener,
+    forget,
+    frozen,
+    grow,
+    maxwell_zener,
+    problems_with_terms,
+)
 from contactlaws.prony import Relaxation
 from contactlaws.remembered_springs import (
     AHEAD,
@@ -78,9 +90,13 @@ def maxwell_zener_ting(
     if not (0.0 < largest < 1.0 and springs >= 1):
         raise InputError(Problem("springs", (largest, springs), "need a largest overlap in (0, 1) and at least one", "0.3 and 12 will do"))
     overlap = largest * radius * (np.geomspace(SPAN, 1.0, springs) if springs > 1 else np.array([0.2]))
-    points = [elastic_point(plain, d) for d in (0.0, *overlap.tolist())]
-    rows = [(high[0], *weights(low, high)) for low, high in zip(points[:-1], points[1:], strict=True)]
-    return MaxwellZenerTing(*plain, frozen(np.array(rows).T.copy()))
+    return MaxwellZenerTing(*plain, frozen(_table(plain, overlap)))
+
+
+def _table(law: MaxwellZener | MaxwellZenerTing, overlap: FloatArray) -> FloatArray:
+    """Rows of `onsets` for springs at these overlaps."""
+    points = [elastic_point(law, d) for d in (0.0, *overlap.tolist())]
+    return np.array([(high[0], *weights(low, high)) for low, high in zip(points[:-1], points[1:], strict=True)]).T.copy()
 
 
 def _problems(law: MaxwellZenerTing) -> Iterator[Problem]:
@@ -90,6 +106,9 @@ def _problems(law: MaxwellZenerTing) -> Iterator[Problem]:
         yield Problem("onsets", getattr(table, "shape", None), "must be four rows of finite numbers", "make the law with its function")
     elif not (table[0, 0] > 0.0 and (np.diff(table[0]) > 0.0).all()):
         yield Problem("onsets: overlap", table[0].tolist()[:5], "must be positive and rise", "make the law with its function")
+    elif not np.allclose(table, _table(law, table[0]), rtol=1e-9, atol=0.0):
+        bound = "do not belong to the elastic force"
+        yield Problem("onsets: weights", table[1:, 0].tolist(), bound, "make the law with its function, for its radius and modulus")
 
 
 @inlined
