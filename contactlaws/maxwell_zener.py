@@ -95,8 +95,8 @@ def grow(law, fractions, times, overlap, dt, state, first, lengths):  # type: ig
     """Take f_i and q_i, from float `first` of the state on, through a step of `dt` to `overlap`; returns force and elastic force in N.
 
     fractions, times: the law's; each look into a record of arrays counts a reference. lengths: whether the strains of springs that move
-    with the overlap follow, one for each term. The energy dissipated is added up. Steps count as straight in overlap and elastic force; the dissipation of a step is then never
-    negative while the contact grows.
+    with the overlap follow, one for each term. The energy dissipated is added up. Steps count as straight in overlap and elastic force;
+    the dissipation of a step is then never negative while the contact grows.
     """
     terms = fractions.size
     elastic = finite_size_force(law, overlap)

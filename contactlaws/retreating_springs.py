@@ -92,7 +92,10 @@ def stuck_pull(fractions, onsets, first, overlap, moved, gap_before, state):  # 
     if row < 0:
         state[NEXT] = -1.0
         return 0.0
-    (low, left), (high, push) = pushed(fractions.size, onsets, first, row - 1, overlap, state), pushed(fractions.size, onsets, first, row, overlap, state)
+    (low, left), (high, push) = (
+        pushed(fractions.size, onsets, first, row - 1, overlap, state),
+        pushed(fractions.size, onsets, first, row, overlap, state),
+    )
     terms = fractions.size
     place, stuck = spring_place(terms, row), spring_place(terms, onsets.shape[1]) - 1
     long_term, pull = 1.0, 0.0
