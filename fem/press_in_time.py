@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 from threadpoolctl import threadpool_limits
 
 from contactlaws.curve import Curve, branches_in_time
-from contactlaws.errors import Problem, require
+from contactlaws.errors import InputError, Problem, require
 from contactlaws.foundation import History, Springs, follow, springs_of, springs_through
 from contactlaws.prony import PronyViscoelastic, Relaxation, problems_with_series
 from contactlaws.version import code_version
@@ -21,11 +21,11 @@ from fem.assembly import Discretisation, discretise
 from fem.compose import SMALLEST_ERROR, Scales, first_row, rows_with
 from fem.march import extrapolated
 from fem.mesh import FloatArray, IntArray, spheroid
-from fem.newton import ByOverlap, Equilibrium, Moduli
-from fem.press import ALONG_IF_DEEP, DEEP, Progress, core_size, moduli_of, problems_with_run, resolution_for
+from fem.newton import ByOverlap, Equilibrium, Moduli, NoEquilibrium, State
+from fem.press import ALONG_IF_DEEP, DEEP, SMALLEST_OVERLAP, Progress, core_size, moduli_of, problems_with_run, resolution_for
 from fem.programme import Programme, problems_with_programme, rows
 from fem.walk import Walk, walk
-from fem.walk_in_time import TimeWalk, walk_in_time
+from fem.walk_in_time import HALVINGS, TimeWalk, walk_in_time
 
 #: steps a segment for each tolerance
 STEPS = ((0.01, 20), (0.005, 28), (0.0025, 40), (0.001, 64))
@@ -105,7 +105,8 @@ def press_in_time(
             elastic.append(walk(body, moduli, largest, (), resolution_for(tolerance).steps))
             found.append(walk_in_time(body, moduli, material, plan, _part(progress, number)))
             bodies.append(body)
-    contact = elastic_contact(elastic[1], elastic[0], material, aspect, divisions, largest)
+    found = both_up_to_their_end(found, elastic)
+    contact = elastic_contact(elastic[1], elastic[0], material, aspect, divisions)
     return _composed(material, contact, elastic, found, bodies, radius, aspect, largest, began)
 
 
@@ -122,9 +123,17 @@ def problems_with_press_in_time(
     yield from problems_with_run(material.instantaneous, radius, aspect, (), 0.01, tolerance)
     broken = list(problems_with_programme(programme, radius))
     yield from broken
-    if not broken and not list(problems_with_series(material)) and largest_overlap(material, programme, radius, aspect) > DEEPEST:
-        bound = f"leads to an overlap beyond {DEEPEST:g} of the radius"
-        yield Problem("programme", max(knot.force or 0.0 for knot in programme), bound, "press less: the body ends there")
+    if broken or list(problems_with_series(material)) or not (radius > 0.0 and aspect > 0.0):
+        return
+    overlap = largest_overlap(material, programme, radius, aspect)
+    if not SMALLEST_OVERLAP <= overlap <= DEEPEST:
+        remedy = "press less: the body ends there" if overlap > DEEPEST else "press more: so small a contact is not resolved"
+        yield Problem(
+            "programme: largest overlap over radius",
+            float(f"{overlap:.3g}"),
+            f"must lie between {SMALLEST_OVERLAP:g} and {DEEPEST:g}, about",
+            remedy,
+        )
 
 
 def largest_overlap(material: PronyViscoelastic, programme: Programme, radius: float, aspect: float) -> float:
@@ -146,7 +155,24 @@ def _part(progress: Progress | None, number: int) -> Progress | None:
     return lambda fraction, text: progress(low + span * fraction, f"{name}: {text}")
 
 
-def elastic_contact(fine: Walk, coarse: Walk, material: PronyViscoelastic, aspect: float, divisions: int, largest: float) -> ElasticContact:
+def both_up_to_their_end(found: list[TimeWalk], elastic: list[Walk]) -> list[TimeWalk]:
+    """The runs on both meshes up to where the first of them stopped, or was pressed beyond what is known of the elastic contact; the reason
+    goes with them. Raises `InputError` where there is no contact until then."""
+    first = min(found, key=lambda run: float(run.time[-1]))
+    end, reason = float(first.time[-1]), first.stopped or found[1].stopped or found[0].stopped
+    for run in elastic:
+        known = run.landing_overlap.max(initial=0.0)
+        beyond = found[1].time[found[1].overlap > known]
+        if run.stopped and beyond.size and beyond[0] <= end:
+            end, reason = float(np.nextafter(beyond[0], -np.inf)), f"of the elastic body: {run.stopped}"
+    found = [run.up_to(end, reason) for run in found]
+    if min(np.count_nonzero(run.force > 0.0) for run in found) < 2:
+        bound = f"the solver stops before the contact is resolved: {reason}"
+        raise InputError(Problem("programme: time reached", end, bound, "press less, or keep Poisson's ratio at 0.499 or below"))
+    return found
+
+
+def elastic_contact(fine: Walk, coarse: Walk, material: PronyViscoelastic, aspect: float, divisions: int) -> ElasticContact:
     """Smooth elastic contact from the landings of two meshes (see `fem.readout`), with Hertz's limit at overlap 0."""
     first, last = first_row(fine, coarse, divisions), min(run.landing_overlap[-1] for run in (fine, coarse))
     overlap = np.geomspace(first, last, 60)
@@ -180,17 +206,28 @@ def springs_on_mesh(body: Discretisation, material: PronyViscoelastic, run: Walk
 
 
 def elastic_forces(body: Discretisation, moduli: Moduli, overlaps: FloatArray) -> FloatArray:
-    """Force of the elastic body at rising overlaps."""
+    """Force of the elastic body at rising overlaps; raises `NoEquilibrium`."""
     solver = Equilibrium(body, moduli)
     states, force = [solver.start()], np.empty(overlaps.size)
     for row, overlap in enumerate(overlaps.tolist()):
-        before, state = states[-2:] if len(states) > 1 else (None, states[-1])
-        guess = None
-        if before is not None:
-            guess = extrapolated(solver, before, state, (overlap - state.overlap) / (state.overlap - before.overlap))
-        states.append(solver.step(state, ByOverlap(overlap), state.force, guess))
+        states = pressed_on(solver, states, overlap, HALVINGS)
         force[row] = states[-1].force
     return force
+
+
+def pressed_on(solver: Equilibrium, states: list[State], overlap: float, halvings: int) -> list[State]:
+    """The last state and that at `overlap`, to which the body goes on from the last of `states`; in halves where that fails."""
+    before, state = states[-2:] if len(states) > 1 else (None, states[-1])
+    guess = None
+    if before is not None:
+        guess = extrapolated(solver, before, state, (overlap - state.overlap) / (state.overlap - before.overlap))
+    try:
+        return [state, solver.step(state, ByOverlap(overlap), state.force, guess)]
+    except NoEquilibrium:
+        if halvings == 0:
+            raise
+    half = pressed_on(solver, states, 0.5 * (state.overlap + overlap), halvings - 1)
+    return pressed_on(solver, half, overlap, halvings - 1)
 
 
 def finer(values: FloatArray) -> FloatArray:

@@ -88,7 +88,7 @@ def problems_with_programme(programme: Programme, radius: float) -> Iterator[Pro
             yield Problem(
                 f"programme[{number}]: time", knot.time, f"must rise, and comes after {before.time:g} s", "order the rows in time"
             )
-    if all((knot.overlap or 0.0) <= 0.0 and (knot.force or 0.0) <= 0.0 for knot in programme):
+    if all((knot.overlap is None) != (knot.force is None) and (knot.overlap or knot.force or 0.0) <= 0.0 for knot in programme):
         yield Problem("programme", len(programme), "never touches the body", "let an overlap or a force be positive")
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,14 +14,15 @@ from fem.assembly import Discretisation
 from fem.branch import contact_edge
 from fem.march import extrapolated
 from fem.mesh import FloatArray, IntArray
-from fem.newton import BoolArray, ByOverlap, Equilibrium, Guess, Moduli, NoEquilibrium, State, Statistics
+from fem.newton import PENETRATION, BoolArray, ByOverlap, Equilibrium, Guess, Moduli, NoEquilibrium, State, Statistics
 from fem.programme import Row
 from fem.relaxing import Relaxing
 from fem.release import Release
 
 HALVINGS = 6  # of a step that finds no equilibrium
 FORCE_TOLERANCE = 1e-5  # of the largest force, where the force is prescribed
-SECANTS = 25
+SECANTS = 40
+FIRST_OVERLAP = 2e-5  # over the half height: how far a force is sought at first from where the body just touches
 
 
 class TimeWalk(NamedTuple):
@@ -36,6 +39,12 @@ class TimeWalk(NamedTuple):
     stopped: str | None
     statistics: Statistics
 
+    def up_to(self, time: float, stopped: str | None) -> TimeWalk:
+        """Without the rows after `time` (s), where it is said to have `stopped`."""
+        rows = int(np.searchsorted(self.time, time, side="right"))
+        kept: dict[str, Any] = {name: value[:rows] for name, value in self._asdict().items() if isinstance(value, np.ndarray)}
+        return self._replace(stopped=stopped, **kept)
+
 
 class _Walker:
     """Where a run stands."""
@@ -45,16 +54,17 @@ class _Walker:
         self.relaxing = Relaxing(self.solver, material)
         self.state, self.before = self.solver.start(), None  # type: State, State | None
         self.release: Release | None = None
+        self.rested = self.state.active  # surface nodes that have ever been on the flat
         self.deepest = self.largest = 0.0
         self.force = 0.0
 
     def to(self, step: float, control: float, by_force: bool) -> None:
         """Take one step of `step` s; raises `NoEquilibrium` and stays where it is."""
         self.relaxing.begin(step)
-        state = self._with_force(control / self.relaxing.scale) if by_force else self._at(control, self._ahead(control))
+        state = self._with_force(control / self.relaxing.scale) if by_force else self._at(control, self.state, self._ahead(control))
         self.relaxing.end(state.displacement)
-        self.before, self.state = self.state, state
-        self.force = max(0.0, state.force * self.relaxing.scale)
+        self.before, self.state, self.rested = self.state, state, self.rested | state.active
+        self.force = max(0.0, state.force * self.relaxing.scale) if state.active.any() else 0.0  # not what the residuals sum up to
         self.largest, self.deepest = max(self.largest, self.force), max(self.deepest, state.overlap)
 
     @property
@@ -71,53 +81,65 @@ class _Walker:
             return None
         return extrapolated(self.solver, self.before, self.state, wanted / walked)
 
-    def _at(self, overlap: float, guess: Guess | None = None) -> State:
-        """The state at an overlap: by the factors at hand where the contact does not grow beyond what it was, else by Newton's method."""
-        largest = self.largest / self.relaxing.scale
+    def _at(self, overlap: float, start: State, guess: Guess | None = None) -> State:
+        """The state at an overlap, sought from `start`: by factors where the contact does not grow beyond what it was, else by Newton's
+        method."""
         if overlap > self.deepest:
             self.release = None
         else:
-            self.release = self.release or Release(self.solver, self.state)
-            try:
-                state = self.release.step(self.state, overlap, largest, guess)
-                if self.release.tired:
+            for _ in range(1 if self.release is None else 2):  # with the factors at hand, then with new ones
+                try:
+                    return self._by_factors(overlap, start, guess)
+                except NoEquilibrium:
                     self.release = None
-                return state
-            except NoEquilibrium:
-                self.release = None
-        return self.solver.step(self.state, ByOverlap(overlap), largest, guess)
+        return self.solver.step(start, ByOverlap(overlap), self.largest / self.relaxing.scale, guess)
+
+    def _by_factors(self, overlap: float, start: State, guess: Guess | None) -> State:
+        """The same by `Release`, where no node rests that never did; raises `NoEquilibrium`."""
+        release = self.release or Release(self.solver, replace(start, active=self.rested))
+        state = release.step(start, overlap, self.largest / self.relaxing.scale, guess)
+        if self.solver.gaps(state.displacement).min() < -max(PENETRATION * abs(overlap), 1e-14):
+            raise NoEquilibrium("a node lands that did not rest before")  # `Release` does not look while none rests
+        self.release = None if release.tired else release
+        return state
 
     def _with_force(self, target: float) -> State:
-        """The state that carries the force `target`; with none, the body just touches."""
+        """The state that carries the force `target`, by secants kept between what is too little and what too much; with none, the body
+        just touches."""
         if target <= 0.0:
             return self.solver.free_shape(self.state)
-        scale = max(target, self.largest / self.relaxing.scale)
-        low, state = self.state.overlap, self.state
-        try:
-            now = self._at(low)
-            stiffness = self._stiffness(now)
-        except NoEquilibrium:
-            raise
+        accuracy = max(FORCE_TOLERANCE * max(target, self.largest / self.relaxing.scale), self.solver.round_off)
+        now, stiffness = self._near(), self._stiffness()
+        low, high = -math.inf, math.inf
+        limit = 0.5 * max(abs(now.overlap), FIRST_OVERLAP * self.solver.height)
         for _ in range(SECANTS):
             missing = target - now.force
-            if abs(missing) <= FORCE_TOLERANCE * scale:
+            if abs(missing) <= accuracy:
                 return now
-            step = missing / stiffness
-            limit = 0.5 * max(abs(now.overlap), 1e-3 * self.solver.height * 0.02)
-            wanted = now.overlap + float(np.clip(step, -limit, limit))
-            state, now = now, self._at(wanted)
-            if now.force > 0.0 and now.overlap != state.overlap and (now.force - state.force) / (now.overlap - state.overlap) > 0.0:
-                stiffness = (now.force - state.force) / (now.overlap - state.overlap)
+            low, high = (now.overlap, high) if missing > 0.0 else (low, now.overlap)
+            ahead = now.overlap + missing / stiffness
+            ahead = ahead if low < ahead < high else 0.5 * (low + high)
+            ahead = now.overlap + float(np.clip(ahead - now.overlap, -limit, limit))
+            try:
+                last, now, limit = now, self._at(ahead, now), 2.0 * limit
+            except NoEquilibrium:
+                limit = 0.25 * abs(ahead - now.overlap)
+                continue
+            slope = (now.force - last.force) / (now.overlap - last.overlap)
+            stiffness = slope if slope > 0.0 else stiffness
         raise NoEquilibrium("the force asked for is not met")
 
-    def _stiffness(self, state: State) -> float:
-        """About dF/dd."""
+    def _near(self) -> State:
+        """The body with the flat where it was, or where it touches if the body has left it."""
+        now = self._at(self.state.overlap, self.state)
+        return now if now.active.any() else self.solver.free_shape(self.state)
+
+    def _stiffness(self) -> float:
+        """About dF/dd: of the last step, or of a contact that carries a little."""
         if self.before is not None and self.before.overlap != self.state.overlap:
             secant = (self.state.force - self.before.force) / (self.state.overlap - self.before.overlap)
             if secant > 0.0:
                 return secant
-        if state.overlap > 0.0 and state.force > 0.0:
-            return 1.5 * state.force / state.overlap
         bulk, shear, _ = self.solver.moduli
         return 2.0 * shear * (3.0 * bulk + shear) / (3.0 * bulk + 4.0 * shear) * 0.02 * self.solver.height
 
