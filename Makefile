@@ -13,7 +13,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: help demo test test-interpreted lint format study recalibrate verify benchmark picture lock clean
+.PHONY: help demo test test-interpreted lint format study viscoelastic recalibrate verify benchmark picture lock clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 20
@@ -44,6 +44,9 @@ study: $(READY) ## Edmans & Sinka 2020 done again: 560 unloadings and 280 of uns
 	@$(BIN)/fe2dem run cases/edmans_sinka_2020/unseen.toml --jobs $(JOBS) --out results/unseen
 	@$(BIN)/python -m cases.edmans_sinka_2020 results/edmans_sinka_2020 --unseen results/unseen --out results/study
 
+viscoelastic: $(READY) ## Wahn, Gan & Kamlah 2022: two spheres with numbers, laws against finite elements, terms against cost; minutes
+	@$(BIN)/python -m cases.wahn_gan_kamlah_2022 --out results/wahn_gan_kamlah_2022
+
 recalibrate: study ## what is shipped, made anew from curves: atlas, constants of the whole-range law, scores of all laws
 	@$(BIN)/fe2dem run cases/edmans_sinka_2020/small.toml --jobs $(JOBS) --out results/small
 	@$(BIN)/python -m calibration.atlas_build results/atlas results/edmans_sinka_2020/curves --compute --jobs $(JOBS)
@@ -59,6 +62,9 @@ verify: $(READY) ## theory, convergence, tolerances, extremes, cycles, pairs, th
 	@$(BIN)/python -m cases.verification.similarity
 	@$(BIN)/python -m cases.verification.cycles
 	@$(BIN)/python -m cases.verification.pairs
+	@echo "verify: viscoelastic bodies and laws; about 5 minutes"
+	@$(BIN)/python -m cases.verification.viscoelastic
+	@$(BIN)/python -m cases.verification.viscoelastic_extremes
 	@$(BIN)/python -m calibration.atlas_check results/atlas_check --compute --jobs $(JOBS)
 	@if [ -n "$$FE2DEM_REFERENCE" ]; then $(BIN)/python -m cases.verification.reference_curves; \
 	else echo "verify: no comparison with another code: FE2DEM_REFERENCE names no folder of its curves"; fi

@@ -19,9 +19,11 @@ def measured(file, noise=0.005, columns=("time", "overlap", "force"), **changes)
     return str(file)
 
 
+FITS = pytest.mark.compiled_only("a fit of hundreds of scans takes a minute interpreted")
 GIVEN = ("--radius", "5 um", "--poissons-ratio", "0.4")
 
 
+@FITS
 @pytest.mark.parametrize("law", ["maxwell_zener", "maxwell_zener_ting"])
 def test_a_measured_curve_becomes_a_law(tmp_path, capsys, law):
     out = tmp_path / "law.json"
@@ -40,6 +42,7 @@ def test_a_measured_curve_becomes_a_law(tmp_path, capsys, law):
     assert ("left out" in said.err) == (law == "maxwell_zener")
 
 
+@FITS
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
 def test_a_curve_of_our_own_says_itself_what_it_is(tmp_path, ending):
     curve = curve_of(ONE, *pressed(hold=10.0, rows=30), errors={"force": 0.003})
@@ -50,6 +53,7 @@ def test_a_curve_of_our_own_says_itself_what_it_is(tmp_path, ending):
     assert found.origin["fit"]["noise_from"].startswith("stated by the curves")
 
 
+@FITS
 def test_two_spheres_collide_on_a_fitted_law(tmp_path, capsys):
     """A collision that lasts a ten-millionth of the relaxation time loses nothing."""
     out = tmp_path / "law.json"
