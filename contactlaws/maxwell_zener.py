@@ -133,9 +133,12 @@ def maxwell_zener_force(law, overlap, rate, dt, state):  # type: ignore[no-untyp
     if overlap <= 0.0:
         forget(state)
         return 0.0, state
+    before = state[LOST]
     force, elastic = grow(law, law.fractions, law.times, overlap, dt, state, FIRST, False)
     force = max(0.0, force)
     state[WORK] += 0.5 * (force + state[FORCE]) * (overlap - state[OVERLAP])
+    # where the force is cut off, the terms move on without it: nothing can be lost that was not put in
+    state[LOST] = min(state[LOST], max(before, state[WORK]))
     state[OVERLAP], state[ELASTIC], state[FORCE] = overlap, elastic, force
     return force, state
 
