@@ -16,6 +16,7 @@ from contactlaws import dispatch
 from contactlaws.compiled import inlined, kernel
 from contactlaws.errors import Problem, require
 from contactlaws.material import Material, problems_with
+from contactlaws.prony import PronyViscoelastic, Relaxation, problems_with_series, together
 
 
 class Body(NamedTuple):
@@ -58,6 +59,38 @@ def effective(material_1: Material, radius_1: float, material_2: Material, radiu
         nu = modulus * sum(m.poissons_ratio / m.reduced_modulus for m in (material_1, material_2))
     material = Material(modulus / share * (1.0 - nu * nu), nu, first.yield_stress)
     return Body(material, radius_1 * radius_2 / ((radius_1 + radius_2) * share))
+
+
+class BodyInTime(NamedTuple):
+    """One viscoelastic sphere: what `contactlaws.maxwell_zener_ting.maxwell_zener_ting` makes a law of."""
+
+    modulus: Relaxation  # Pa; reduced
+    radius: float  # m
+    poissons_ratio: float  # of the finite-size part
+
+
+def effective_in_time(material_1: PronyViscoelastic, radius_1: float, material_2: PronyViscoelastic, radius_2: float) -> BodyInTime:
+    """`effective`, at the share 1/2, of two viscoelastic spheres: their creep compliances (1 - nu^2)/E add, which makes one series of both.
+
+    Exact at small overlaps while the contact grows, and on a first retreat: the surfaces of both follow the same pressure. An elastic
+    sphere is one without relaxation times. Raises `InputError`.
+
+    >>> pvdf, steel = PronyViscoelastic(1.77e9, 0.43, (1.8,), (0.2285,)), PronyViscoelastic(210e9, 0.3, (), ())
+    >>> body = effective_in_time(pvdf, 5e-6, steel, 5e-6)
+    >>> round(body.modulus.fractions[0], 4), round(body.modulus.times[0], 4)
+    (0.2269, 1.8038)
+    """
+    problems = [
+        problem._replace(name=f"material_{number}: {problem.name}")
+        for number, material in (("1", material_1), ("2", material_2))
+        for problem in problems_with_series(material)
+    ]
+    require(problems)
+    at_once = (material_1.instantaneous, material_2.instantaneous)
+    require(_problems_of_pair(at_once[0], radius_1, at_once[1], radius_2, 0.5))
+    modulus = together(material_1.reduced, material_2.reduced)
+    ratio = modulus.instantaneous * sum(m.poissons_ratio / m.reduced_modulus for m in at_once)
+    return BodyInTime(modulus.scaled(2.0), 2.0 * radius_1 * radius_2 / (radius_1 + radius_2), ratio)
 
 
 def share_of_softer(material_1: Material, radius_1: float, material_2: Material, radius_2: float) -> float:

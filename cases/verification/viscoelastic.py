@@ -17,6 +17,9 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from cases.verification.continuum import Check, at_most
 from contactlaws.curve import Curve, FloatArray
 from contactlaws.foundation import follow
+from contactlaws.maxwell_zener_ting import maxwell_zener_ting
+from contactlaws.pair import effective_in_time
+from contactlaws.path import scan
 from contactlaws.prony import PronyViscoelastic, Relaxation, uniaxial
 from fem.assembly import discretise
 from fem.march import Steps
@@ -163,6 +166,39 @@ def turning() -> Iterator[Check]:
             yield at_most(claim, with_body / ours - 1.0, 0.03)
 
 
+def bodies() -> Iterator[Check]:
+    """Two spheres as one: each by finite elements on the flat under the force of both, their overlaps added, against one law of one series.
+
+    Where the stiffer sphere is as much larger as it is stiffer and both relax alike, the surface between them stays flat and the sum is
+    exact. Where they relax apart it does not stay flat; by how much that matters is what the second pair shows.
+    """
+    stiff = TOGETHER._replace(youngs_modulus=2.0 * TOGETHER.youngs_modulus)
+    slow = stiff._replace(relaxation_times=(18.0,), shear_fractions=(0.5,))
+    for words, other, bound in (("relaxing alike", stiff, 5e-3), ("relaxing apart, by half in 18 s", slow, 2e-2)):
+        force = 0.002**1.5 * 4.0 / 3.0 * TOGETHER.instantaneous.reduced_modulus
+        programme = creep(force, 1.0, 10.0)
+        one = press_in_time(TOGETHER, programme, tolerance=0.0025)
+        two = press_in_time(other, programme, radius=2.0, tolerance=0.0025)
+        body = effective_in_time(TOGETHER, 1.0, other, 2.0)
+        law = maxwell_zener_ting(body.modulus, body.radius, body.poissons_ratio)
+        times = np.linspace(0.0, one.time[-1], 4001)
+        overlap = np.interp(times, one.time, one.overlap) + np.interp(times, two.time, two.overlap)
+        held = scan(law, 0.5 * overlap, times).force[times >= 1.0]
+        error = np.abs(held / force - 1.0).max()
+        yield at_most(
+            f"two spheres, the second twice as large and stiff, {words}: force of one law at the sum of both overlaps", error, bound
+        )
+    for name, material in (("K constant", CONSTANT_BULK), ("three terms", BROAD)):
+        for depth, bound in ((0.02, 5e-3), (0.1, 1e-2)):
+            curve = press_in_time(material, ramp_hold_release(depth, 1.0, 2.0, 1.0))
+            ratio = 0.5 * (material.poissons_ratio + material.long_term.poissons_ratio)
+            law = maxwell_zener_ting(material.reduced, 1.0, ratio)
+            times = np.unique(np.concatenate([curve.time, np.linspace(0.0, curve.time[-1], 2001)]))
+            force = np.interp(curve.time, times, scan(law, np.interp(times, curve.time, curve.overlap), times).force)
+            error = np.abs(force - curve.force).max() / curve.force.max()
+            yield at_most(f"{name}, ramp, hold, release at {depth:g} R: the law of the body alone, over the largest force", error, bound)
+
+
 def meshes() -> Iterator[Check]:
     """Default tolerance against a fourth of it, over the largest force."""
     for depth in DEPTHS:
@@ -176,7 +212,7 @@ def meshes() -> Iterator[Check]:
 
 
 PARTS: dict[str, Callable[[], Iterator[Check]]] = {
-    part.__name__: part for part in (limits, lee_radok, ting, reciprocity, order, turning, meshes)
+    part.__name__: part for part in (limits, lee_radok, ting, reciprocity, order, turning, bodies, meshes)
 }
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from cases.batch.store import problems_with_folder
 from cases.report import plots
 from cases.tradeoff.page import write_csv
+from cases.verification import viscoelastic_extremes
 from cases.wahn_gan_kamlah_2022 import accuracy, figures, gap, numbers, page, trade
 from cases.wahn_gan_kamlah_2022.material import HISTORIES, OVERLAP, PUBLISHED, RADIUS, TOGETHER
 from contactlaws.curve_files import write_curve
@@ -58,7 +59,7 @@ def make(out: Path, tolerance: float) -> Path:
     for name, rows in (("numbers", found), ("accuracy", compared), ("trade", choices), ("gap", gaps)):
         write_csv([row._asdict() for row in rows], out / f"{name}.csv")
     cost = f"{time.process_time() - began:.0f} CPU seconds."
-    return page.write(out / "wahn_gan_kamlah_2022.html", found, gaps, compared, choices, None, pictures, cost)
+    return page.write(out / "wahn_gan_kamlah_2022.html", found, gaps, compared, choices, viscoelastic_extremes.rows(), pictures, cost)
 
 
 def _say(words: str) -> None:
