@@ -119,21 +119,18 @@ def problems_with_press_in_time(
     material: PronyViscoelastic, programme: Programme, radius: float, aspect: float, tolerance: float
 ) -> Iterator[Problem]:
     """What is wrong with a run of `press_in_time`, one `Problem` each."""
-    yield from problems_with_series(material)
-    yield from problems_with_run(material.instantaneous, radius, aspect, (), 0.01, tolerance)
-    broken = list(problems_with_programme(programme, radius))
-    yield from broken
-    if broken or list(problems_with_series(material)) or not (radius > 0.0 and aspect > 0.0):
+    # both look at the instantaneous constants; what is wrong is said once
+    of_body = [*problems_with_series(material), *problems_with_run(material.instantaneous, radius, aspect, (), 0.01, tolerance)]
+    yield from dict.fromkeys(of_body)
+    of_programme = list(problems_with_programme(programme, radius if radius > 0.0 else math.inf))
+    yield from of_programme
+    if of_body or of_programme:
         return
     overlap = largest_overlap(material, programme, radius, aspect)
     if not SMALLEST_OVERLAP <= overlap <= DEEPEST:
         remedy = "press less: the body ends there" if overlap > DEEPEST else "press more: so small a contact is not resolved"
-        yield Problem(
-            "programme: largest overlap over radius",
-            float(f"{overlap:.3g}"),
-            f"must lie between {SMALLEST_OVERLAP:g} and {DEEPEST:g}, about",
-            remedy,
-        )
+        bound = f"must lie between {SMALLEST_OVERLAP:g} and {DEEPEST:g}, about"
+        yield Problem("programme: largest overlap over radius", float(f"{overlap:.3g}"), bound, remedy)
 
 
 def largest_overlap(material: PronyViscoelastic, programme: Programme, radius: float, aspect: float) -> float:
