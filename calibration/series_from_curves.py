@@ -58,7 +58,7 @@ def fit_series(curves: Sequence[Curve], shrinking: bool = True, poissons_ratio: 
     noise = _stated(used, paths) if force_errors.all_state_errors(used) else _shown(target, window)
     target = replace(target, scale=noise.scale)
     found = search(target, window, terms)
-    level, origin = (1.0, "stated by the curves, and common to the rows of each") if noise.stated else _level(found, target)
+    level, words, origin = _level(found, target, noise)
     candidates = candidates_of(found, level, target.count)
     asked = min(candidates, key=lambda one: one.bic).terms if terms is None else terms
     chosen = tidied(found[asked])
@@ -72,7 +72,7 @@ def fit_series(curves: Sequence[Curve], shrinking: bool = True, poissons_ratio: 
         modulus=modulus,
         covariance=(level * max(1.0, misfit)) ** 2 * half @ shared @ half.T,
         candidates=candidates,
-        scatter=noise.words(level),
+        scatter=words,
         noise_from=origin,
         misfit=misfit,
         freedom=freedom,
@@ -92,12 +92,6 @@ class Noise(NamedTuple):
     stated: bool  # by the curves; else it is what their scatter is like, up to a factor
     even: float  # the part that all rows have, N
     relative: float  # the part that is in proportion to the force
-
-    def words(self, level: float) -> str:
-        """With the factor, which was found."""
-        if self.stated:
-            return f"{100.0 * self.relative:.3g} % of the largest force so far"
-        return f"{level * self.even:.3g} N and {100.0 * level * self.relative:.3g} % of the force"
 
 
 def _stated(curves: Sequence[Curve], paths: Sequence[Path]) -> Noise:
@@ -120,11 +114,15 @@ def _shown(target: Growing, window: tuple[float, float]) -> Noise:
     return noise
 
 
-def _level(found: Sequence[Found], target: Growing) -> tuple[float, str]:
-    """By what the scale of scattering forces is to be multiplied, and why."""
+def _level(found: Sequence[Found], target: Growing, noise: Noise) -> tuple[float, str, str]:
+    """What the scale is to be multiplied by to be the noise; the noise in words, and how it is known."""
+    if noise.stated:
+        return 1.0, f"{100.0 * noise.relative:.3g} % of the largest force so far", "stated by the curves, and common to the rows of each"
     level, origin = left_over(found, target.count)
     least = force_errors.TRUEST * float(abs(target.force).max() / np.median(target.scale))
-    return (level, origin) if level > least else (least, "no law is truer")
+    if level < least:
+        return least, f"{100.0 * force_errors.TRUEST:.3g} % of the largest force", "they scatter by less, but no law is truer"
+    return level, f"{level * noise.even:.3g} N and {100.0 * level * noise.relative:.3g} % of the force", origin
 
 
 def _target(curves: Sequence[Curve], paths: tuple[Path, ...], shrinking: bool, poissons_ratio: float | None) -> Growing:

@@ -140,6 +140,7 @@ def test_an_exact_curve_gives_its_series(law):
     assert found.law.times == pytest.approx(ONE.times, rel=2e-3)
     assert found.series.asked == 1
     assert found.residuals.force < 1e-4
+    assert found.series.noise_from == "they scatter by less, but no law is truer"
 
 
 @FITS
