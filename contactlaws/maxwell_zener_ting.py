@@ -8,7 +8,8 @@ While the contact grows, all springs in it have moved alike since they touched, 
 remembered spring only the time is noted at which it touched, with the state that the first spring then had: the force of a growing contact
 costs no more than without this memory. When the contact shrinks, that is turned into the springs' own states, and these are followed one by
 one: those that would pull let go, relax by themselves and are met again. The turning point is that of Ting (1966): the edge of the contact
-is where the springs' force ends. The springs' sum is scaled to meet the recurrence's force where the contact turns.
+is where the springs' force ends (`contactlaws.retreating_springs`). The springs' sum is scaled to meet the recurrence's force where the
+contact turns, and so is their energy, of which the law's account of what is stored and lost is made: it does not drift over cycles.
 
 A contact whose overlap is back at 0 is forgotten, though the body may still be dented there: the next contact then begins too early.
 """
@@ -147,7 +148,7 @@ def other_step(law, overlap, dt, state):  # type: ignore[no-untyped-def]
         begin_growth(law, force, state)
     if state[SCALE] == 0.0:
         row = int(state[TOUCHED])
-        state[AHEAD] = law.onsets[0, row] if row < law.onsets.shape[1] else math.inf
+        state[AHEAD] = law.onsets[0, row] if row < law.onsets.shape[1] else 1e300
     else:
         state[AHEAD] = -1.0
     return force
