@@ -10,10 +10,11 @@ import pytest
 from cases.verification import viscoelastic_extremes as extremes
 from cases.verification.viscoelastic_extremes import CREATED, TRIALS, Row, legs, main, markdown, row_of, rows, steps, summary
 
+LONG = pytest.mark.compiled_only("takes minutes")
 SOUND = Row("a trial", "maxwell_zener", "a limit", True, 0.0, 1e-5, 1e-6, 1e-4)
 
 
-@pytest.mark.compiled_only("takes minutes")
+@LONG
 def test_the_whole_table_is_sound():
     table = rows()
     assert [row.trial for row in table if not row.sound] == []
@@ -21,6 +22,7 @@ def test_the_whole_table_is_sound():
     assert max(row.tension for row in table) == 0.0
 
 
+@LONG
 def test_the_table_covers_what_is_promised():
     """Ratios and steps from 1e-8 to 1e8 and from 1e-6 to 1e6, terms 12 decades apart, nu to .4999, holds, jumps, tiny and huge overlaps."""
     trials = [trial for make in TRIALS for trial in make()]
@@ -45,6 +47,7 @@ def test_the_table_covers_what_is_promised():
     assert any((np.diff(trial.path[0]) == 0.0).any() for trial in trials if "jumps" in trial.name)
 
 
+@LONG
 def test_one_trial_by_hand():
     """One step of a million relaxation times: what is left of it is the strain rate's share, tau/dt of the relaxing part."""
     trial = next(trial for trial in steps() if "one step of 1e+6" in trial.name)
