@@ -111,8 +111,9 @@ def _problems(curve: Curve) -> Iterator[Problem]:
         value = getattr(curve, name)
         if not (np.isfinite(value) and value > 0):
             yield Problem(name, value, "must be positive", "give it in metres" if name == "radius" else "1 is a sphere")
-    if curve.in_time and all(getattr(curve, name).shape == (size,) for name in ("time", "overlap", "branch")):
-        yield from _problems_in_time(curve)
+    if curve.in_time:
+        if all(getattr(curve, name).shape == (size,) for name in ("time", "overlap", "branch")):
+            yield from _problems_in_time(curve)
         return
     if curve.overlap.shape == curve.branch.shape and np.any(np.diff(curve.overlap[curve.branch == 0]) <= 0):
         yield Problem("overlap", "decreases", "must increase along the loading (branch 0)", "give unloadings their own branch numbers")
