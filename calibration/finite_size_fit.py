@@ -2,9 +2,9 @@
 
     python -m calibration.finite_size_fit
 
-About half a minute. Presses elastic spheres of Poisson's ratios from 0 to 0.4999 to 0.32 R, and to 0.01 R on a finer scale, fits the factors of
-force and area in least squares over overlaps to 0.3 R (relative errors, those up to 0.1 R counting twice), and prints the constants and
-what they leave, beside those in place.
+About half a minute. Presses elastic spheres of Poisson's ratios from 0 to 0.4999 to 0.32 R, and to 0.01 R on a finer scale, fits the
+factors of force and area in least squares over overlaps to 0.3 R (relative errors, those up to 0.1 R counting twice), and prints the
+constants and what they leave, beside those in place.
 """
 
 from __future__ import annotations

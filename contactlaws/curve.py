@@ -125,10 +125,12 @@ def _problems(curve: Curve) -> Iterator[Problem]:
 def branches_in_time(overlap: npt.ArrayLike) -> npt.NDArray[np.int64]:
     """For each row of a path in time whether it is reached growing or resting (even) or shrinking (odd), counted up at each turn.
 
+    Below overlap 0, where the flat stands off the undeformed body, it counts as resting.
+
     >>> branches_in_time([0.0, 1.0, 1.0, 0.5, 0.5, 0.7]).tolist()
     [0, 0, 0, 1, 1, 2]
     """
-    signs = np.sign(np.diff(np.asarray(overlap, dtype=np.float64), prepend=0.0))
+    signs = np.sign(np.diff(np.maximum(np.asarray(overlap, dtype=np.float64), 0.0), prepend=0.0))
     found, now = np.zeros(signs.size, dtype=np.int64), 0
     for row, sign in enumerate(signs):
         if sign != 0.0 and (sign < 0.0) != (now % 2 == 1):
@@ -144,7 +146,7 @@ def _problems_in_time(curve: Curve) -> Iterator[Problem]:
         yield Problem(
             f"row {row}: time", float(curve.time[row]), f"must not fall below {curve.time[row - 1]:g} s", "order the rows in time"
         )
-    wrong = (np.diff(curve.overlap) * np.where(curve.branch[1:] % 2 == 0, 1.0, -1.0) < 0.0) & (np.diff(curve.branch) == 0)
+    wrong = (np.diff(np.maximum(curve.overlap, 0.0)) * np.where(curve.branch[1:] % 2 == 0, 1.0, -1.0) < 0.0) & (np.diff(curve.branch) == 0)
     if wrong.any():
         row = int(np.flatnonzero(wrong)[0]) + 1
         what = "must not fall on an even branch, nor rise on an odd one"

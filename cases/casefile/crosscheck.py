@@ -47,11 +47,13 @@ def _laws() -> Collection[str]:
 
 def _curve_problems(name: str, file: Path, fit: FitTable, case: Case) -> Iterator[Problem]:
     """What is wrong with a curve's file, read as the fit will read it."""
+    from calibration.recipes import IN_TIME
     from contactlaws.curve_files import read_curve
 
     material = case.materials.get(fit.material) if fit.material is not None else None
     try:
-        read_curve(file, radius=fit.radius, material=None if material is None else material.record())
+        record = None if material is None else material.record()
+        read_curve(file, radius=fit.radius, material=record, in_time=fit.law in IN_TIME)
     except InputError as error:
         yield from (problem._replace(name=f"{name}: {problem.name}") for problem in error.problems)
 

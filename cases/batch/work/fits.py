@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import calibration
-from calibration import table
+from calibration import recipes, table
 from cases.batch.task import Task
 from cases.batch.work.place import Made, Outcome, Report, place, relative
 from contactlaws import fitted
@@ -18,7 +18,8 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
 
     material = None if task.values["material"] is None else Material(**task.values["material"])
     found = [read_curve(folder / made[need].files["curve"]) for need in task.needs]
-    found += [read_curve(path, radius=task.values["radius"], material=material) for path in task.given]
+    in_time = task.values["law"] in recipes.IN_TIME
+    found += [read_curve(path, radius=task.values["radius"], material=material, in_time=in_time) for path in task.given]
     fit = calibration.fit(found, law=task.values["law"])
     law, row = place(folder, task, ".json"), place(folder, task, ".csv")
     fitted.save(fit.fitted, law)
