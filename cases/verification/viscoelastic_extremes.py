@@ -32,7 +32,7 @@ from contactlaws.prony import Relaxation
 from contactlaws.remembered_springs import FIRST as FIRST_WITH_SPRINGS
 
 FloatArray = npt.NDArray[np.float64]
-Path2 = tuple[FloatArray, FloatArray]
+TimedPath = tuple[FloatArray, FloatArray]
 
 #: reduced modulus; with the radius, 1: forces scale with it
 UNIT = 1.0
@@ -55,7 +55,7 @@ class Trial(NamedTuple):
     name: str
     law: str
     record: Any
-    path: Path2
+    path: TimedPath
     against: str
     expected: FloatArray
     bound: float
@@ -80,7 +80,7 @@ class Row(NamedTuple):
         return self.finite and self.tension == 0.0 and self.created <= CREATED[self.law] and self.error <= self.bound
 
 
-def legs(time: npt.ArrayLike, overlap: npt.ArrayLike, rows: int = ROWS, graded: bool = False) -> Path2:
+def legs(time: npt.ArrayLike, overlap: npt.ArrayLike, rows: int = ROWS, graded: bool = False) -> TimedPath:
     """Straight lines from corner to corner; graded: and rows that get ever shorter towards the corner left."""
     share = np.arange(rows) / rows
     if graded:
@@ -98,7 +98,7 @@ def elastic_springs(nu: float | None = None, largest: float = USUAL, count: int 
 
 
 def trials_of(
-    name: str, modulus: Relaxation, path: Path2, bound: float, nu: float | None = None, largest: float = USUAL
+    name: str, modulus: Relaxation, path: TimedPath, bound: float, nu: float | None = None, largest: float = USUAL
 ) -> Iterator[Trial]:
     """Both laws against the exact history, the law without springs while the contact first grows."""
     time, overlap = path
