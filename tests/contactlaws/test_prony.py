@@ -17,7 +17,8 @@ from contactlaws.prony import Creep, PronyViscoelastic, Relaxation, checked_seri
 
 #: 1/s, from faster than every term to slower
 FREQUENCIES = np.geomspace(1e-9, 1e9, 73)
-#: where compliances are added, a term of 1e-17 may lie beside the zero that another one makes: a double zero, half the digits (6000 random pairs: 3e-8)
+#: where compliances are added, a term of 1e-17 may lie beside the zero that another one makes: a double zero leaves half the digits (6000
+#: random pairs: 3e-8)
 HALF_THE_DIGITS = 1e-7
 #: of the relations in Laplace space: some hundred roundings, and roots to 1e-13 in the logarithm of a distance
 ROUND_OFF = 1e-12
