@@ -34,7 +34,7 @@ FLAWS: Mapping[str, Mapping[str, str]] = {
     "wahn_gan_kamlah": {
         "no tension": "nothing ends the contact before the overlap does: as it shrinks, the Maxwell branch pulls",
         "reloading returns to the loading": "increments of other steps add up to another force: it drifts",
-        "dissipation never falls": "a shrinking contact relaxes as if it had grown: pulled and pressed again, it gives back more than it kept",
+        "dissipation never falls": "relaxing as if it had grown, a contact pulled and pressed again gives back more than it kept",
     },
     "hertz_spring_dashpot": {"no tension": "only with pull: the damper as published pulls at the end of a collision"},
 }
