@@ -189,7 +189,7 @@ def figure_trade(choices: Sequence[Choice]) -> Picture:
             axis.plot(cost, [100.0 * getattr(row, name) for row in rows], "o-", color=COLOURS[number], ms=3.5, label=label)
             for row, at in zip(rows, cost, strict=True):
                 axis.annotate(str(row.terms), (at, 100.0 * getattr(row, name)), fontsize=6.5, textcoords="offset points", xytext=(3, 3))
-        axis.set(yscale="log", xscale="log", xlabel="cost of a contact over Hertz's", title=title)
+        axis.set(yscale="log", xscale="log", xlabel="cost of a contact in the pair kernel over Hertz's", title=title)
     axes[0].set_ylabel("error over the largest force (%)")
     axes[0].legend()
     caption = (

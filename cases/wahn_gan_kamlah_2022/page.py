@@ -104,14 +104,14 @@ def _accuracy(compared: Sequence[Compared]) -> Iterator[Block]:
 def extremes(rows: Sequence[viscoelastic_extremes.Row]) -> list[Block]:
     """What laws were asked for that no simulation should ask, and what came of it."""
     header = viscoelastic_extremes.HEADER
-    shown = [[cell.replace("_", " ") for cell in viscoelastic_extremes.cells(row)] for row in rows]
+    shown = [[cell.replace("_", "-") for cell in viscoelastic_extremes.cells(row)] for row in rows]
     return [text(viscoelastic_extremes.summary(list(rows)).replace("_", " ")), table(header, shown)]
 
 
 def _trade(choices: Sequence[Choice]) -> Iterator[Block]:
     yield text(
         "A material that relaxes evenly over six decades in twelve terms, its law with fewer. Errors over the largest force against the "
-        "continuum; ns per contact of one loop over contacts with their memory, and how many times Hertz's, taken in turns."
+        "continuum; ns per contact in the simulation's pair kernel, and how many times Hertz's, taken in turns."
     )
     rows = [
         (

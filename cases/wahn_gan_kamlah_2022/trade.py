@@ -40,9 +40,9 @@ class Choice(NamedTuple):
     springs: int  # remembered by Ting's law; 0 without
     growing: float  # error while the contact grows or rests for the first time
     retreating: float  # after that
-    loading: float  # ns per contact alone, times Hertz
-    unloading: float
-    nanoseconds: float  # per contact alone, while it grows
+    loading: float  # time per contact in the DEM's pair kernel over Hertz's, while it grows
+    unloading: float  # while it shrinks
+    nanoseconds: float  # per contact there, while it grows
     bytes: int
 
 
@@ -89,8 +89,8 @@ def choice(terms: int, springs: int, law: Any, curves: Sequence[Curve] | Any, co
         growing = max(growing, float(error[curve.branch == 0].max()))
         retreating = max(retreating, float(error[curve.branch > 0].max()))
     name = dispatch.law_of(law).name
-    ratios = (cost.alone[0] / base.alone[0], cost.alone[1] / base.alone[1])
-    return Choice(name, terms, springs, growing, retreating, *ratios, cost.alone[0], 8 * dispatch.floats_of_state(law))
+    ratios = (cost.pair[0] / base.pair[0], cost.pair[1] / base.pair[1])
+    return Choice(name, terms, springs, growing, retreating, *ratios, cost.pair[0], 8 * dispatch.floats_of_state(law))
 
 
 def references(tolerance: float = 0.005) -> dict[str, Curve]:
