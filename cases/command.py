@@ -158,7 +158,7 @@ def reference(
         stopped = reference_in_time(_given(values | in_time), prony, programme, out)
     else:
         for name in _given(in_time):
-            _refuse(f"--{name}", in_time[name], "is for viscoelastic bodies", "give --prony too, or leave it out")
+            _refuse(f"--{name}", str(in_time[name]), "is for viscoelastic bodies", "give --prony too, or leave it out")
         stopped = single.reference(_given(values), out, fields, profile)
     if stopped:
         print(f"fe2dem: stopped early: {stopped}; the curve up to there is in {out}", file=sys.stderr)

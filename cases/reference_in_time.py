@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cases import console
-from cases.casefile.programme_file import read_programme
+from cases.casefile.programme_file import ProgrammeFile, read_programme
 from cases.casefile.schema import InTime
 from cases.options import checked, in_words_of_options, problems_with_output
 from contactlaws.errors import InputError, Problem
@@ -41,11 +41,17 @@ def reference_in_time(options: Mapping[str, Any], prony: Path, programme: Path |
         material = read_series(prony, *given)
     except InputError as error:
         problems += error.problems
-    if asked is not None:
-        knots, found = _programme(asked, programme)
+    from_file = None
+    if asked is not None and programme is not None:
+        from_file, found = _from_file(asked, programme)
+        knots = from_file.knots if from_file else None
+        problems += found
+    elif asked is not None:
+        knots, found = _ramp(asked)
         problems += found
     if asked is not None and material is not None and knots is not None:
-        problems += problems_with_press_in_time(material, knots, asked.radius, asked.aspect, asked.tolerance)
+        wrong = problems_with_press_in_time(material, knots, asked.radius, asked.aspect, asked.tolerance)
+        problems += [from_file.placed(p) if from_file and p.name.startswith("programme") else p for p in wrong]
     if problems or asked is None or material is None or knots is None or out is None:
         raise InputError(in_words_of_options(problems))
 
@@ -59,10 +65,8 @@ def reference_in_time(options: Mapping[str, Any], prony: Path, programme: Path |
     return curve.stopped
 
 
-def _programme(asked: InTime, file: Path | None) -> tuple[Programme | None, list[Problem]]:
-    """The knots, from a file or from the ramp, hold and release asked for."""
-    if file is not None:
-        return _from_file(asked, file)
+def _ramp(asked: InTime) -> tuple[Programme | None, list[Problem]]:
+    """The knots of the ramp, hold and release asked for."""
     problems = list(_problems_with_ramp(asked))
     if problems or asked.ramp is None:
         return None, problems
@@ -73,20 +77,22 @@ def _programme(asked: InTime, file: Path | None) -> tuple[Programme | None, list
     return ramp_hold_release(depth * asked.radius, asked.ramp, asked.hold, release), []
 
 
-def _from_file(asked: InTime, file: Path) -> tuple[Programme | None, list[Problem]]:
+def _from_file(asked: InTime, file: Path) -> tuple[ProgrammeFile | None, list[Problem]]:
     named = [name for name in ("ramp", "release", "max_overlap") if getattr(asked, name) is not None]
     named += [name for name in ("hold", "unload_from") if getattr(asked, name)]
     problems = [Problem(f"--{name}", getattr(asked, name), "is in the way of --programme", "leave one of them out") for name in named]
     try:
-        knots = read_programme(file)
+        return read_programme(file), problems
     except InputError as error:
         return None, [*problems, *error.problems]
-    return knots, problems
 
 
 def _problems_with_ramp(asked: InTime) -> Iterator[Problem]:
     depths = [*asked.unload_from, *(() if asked.max_overlap is None else (asked.max_overlap,))]
-    if len(set(depths)) != 1:
+    if not depths:
+        remedy = "give --max-overlap, --unload-from for a body that is released, or --programme"
+        yield Problem("--max-overlap", None, "is needed: how far the body is pressed", remedy)
+    elif len(set(depths)) > 1:
         bound = "must be one overlap: what went before is in the body's memory"
         remedy = "give --max-overlap, or --unload-from for one that is released; --programme for anything else"
         yield Problem("--max-overlap", tuple(depths), bound, remedy)

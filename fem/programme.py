@@ -67,29 +67,33 @@ def sine(mean: float, amplitude: float, period: float, cycles: float, knots_per_
 def problems_with_programme(programme: Programme, radius: float) -> Iterator[Problem]:
     """What is wrong with the knots, one `Problem` each."""
     if len(programme) < 2:
-        yield Problem("programme", len(programme), "needs a knot after the start", "give at least two rows: time, and overlap or force")
+        yield Problem(
+            "programme", f"{len(programme)} knots", "needs a knot after the start", "give at least two rows: time, and overlap or force"
+        )
         return
-    if programme[0] != START:
-        yield Problem("programme[1]", tuple(programme[0]), "must be time 0 and overlap 0", "let it begin where the flat touches")
-    for number, knot in enumerate(programme, 1):
-        name = f"programme[{number}]"
-        given = [value for value in (knot.overlap, knot.force) if value is not None]
-        if len(given) != 1:
-            yield Problem(name, tuple(knot), "must have exactly one of overlap and force", "leave the other one empty")
-        if not all(math.isfinite(value) for value in (knot.time, *given)):
-            yield Problem(name, tuple(knot), "must be made of finite numbers", "repair the row")
-            return
-        if knot.overlap is not None and not abs(knot.overlap) < radius:
-            yield Problem(name, knot.overlap, f"must be smaller than the radius, {radius:g} m", "give the overlap in m")
-        if knot.force is not None and knot.force < 0.0:
-            yield Problem(name, knot.force, "must not be negative: the flat does not pull", "0 lets it just touch")
+    found = [problem for number, knot in enumerate(programme, 1) for problem in _problems_with_knot(f"programme[{number}]", knot, radius)]
+    if programme[0] != START and not found:
+        found.append(Problem("programme[1]", tuple(programme[0]), "must be time 0 and overlap 0", "let it begin where the flat touches"))
     for number, (before, knot) in enumerate(pairwise(programme), 2):
         if knot.time < before.time or (knot.time == before.time and knot == before):
-            yield Problem(
-                f"programme[{number}]: time", knot.time, f"must rise, and comes after {before.time:g} s", "order the rows in time"
-            )
-    if all((knot.overlap is None) != (knot.force is None) and (knot.overlap or knot.force or 0.0) <= 0.0 for knot in programme):
-        yield Problem("programme", len(programme), "never touches the body", "let an overlap or a force be positive")
+            bound = f"must rise, and comes after {before.time:g} s"
+            found.append(Problem(f"programme[{number}]: time", knot.time, bound, "order the rows in time"))
+    if not found and all((knot.overlap or knot.force or 0.0) <= 0.0 for knot in programme):
+        found.append(Problem("programme", f"{len(programme)} knots", "never touches the body", "let an overlap or a force be positive"))
+    yield from found
+
+
+def _problems_with_knot(name: str, knot: Knot, radius: float) -> Iterator[Problem]:
+    """The first thing that is wrong with one knot by itself."""
+    given = [value for value in (knot.overlap, knot.force) if value is not None]
+    if len(given) != 1:
+        yield Problem(name, tuple(knot), "must have exactly one of overlap and force", "leave the other one empty")
+    elif not all(math.isfinite(value) for value in (knot.time, *given)):
+        yield Problem(name, tuple(knot), "must be made of finite numbers", "repair the row")
+    elif knot.overlap is not None and not abs(knot.overlap) < radius:
+        yield Problem(name, knot.overlap, f"must be smaller than the radius, {radius:g} m", "give the overlap in m")
+    elif knot.force is not None and knot.force < 0.0:
+        yield Problem(name, knot.force, "must not be negative: the flat does not pull", "0 lets it just touch")
 
 
 #: of more segments than `MANY` each is taken in fewer steps, but no fewer than `FEWEST`
@@ -123,7 +127,7 @@ def rows(programme: Programme, shortest: float, steps: int) -> list[Row]:
         assert target is not None
         span = knot.time - before.time
         if start == target and span > 0.0:
-            shares = np.geomspace(min(0.01 * shortest, 0.01 * span) / span, 1.0, steps)
+            shares = np.geomspace(max(0.01 * min(1.0, shortest / span), 1e-300), 1.0, steps)
         else:
             shares = np.linspace(0.0, 1.0, steps + 1)[1:]
         found += [Row(before.time + span * share, by_force, target, share, number, start) for share in shares.tolist()]
