@@ -3,7 +3,7 @@
     python -m cases.benchmarks.fe_speed [--without-calculix]
 
 One thread each. Compiling is done before and reported apart. Our time is that of the whole answer: two meshes, first yield, error
-estimates.
+estimates. A viscoelastic ramp, hold and release is set beside the elastic press to the same overlap, which is run before and after it.
 """
 
 from __future__ import annotations
@@ -18,14 +18,27 @@ import fem
 from cases.benchmarks import calculix
 from contactlaws.curve import Curve
 from contactlaws.material import Material
+from contactlaws.prony import PronyViscoelastic, Relaxation, uniaxial
 from fem.mesh import spheroid
 from fem.press import core_size, resolution_for
+from fem.programme import ramp_hold_release
 
 TOLERANCE = 0.01
 RATIOS = (50.0, 200.0, 1000.0)  # Young's modulus over yield stress
 POISSONS_RATIO = 0.3
 SHALLOW, SHALLOW_GOAL = (0.1,), 2.0
 DEEP, DEEP_GOAL = tuple(np.geomspace(0.005, 0.5, 14)), 10.0
+IN_TIME_GOAL = 3.0
+IN_TIME_DEPTHS = (0.02, 0.1, 0.3)
+#: one term as of a polymer, and eight over twelve decades that leave a tenth of the modulus
+ONE_TERM = Relaxation(1.0, (0.23,), (1.0,))
+EIGHT_TERMS = Relaxation(1.0, (0.9 / 8.0,) * 8, tuple(np.logspace(-6.0, 6.0, 8).tolist()))
+IN_TIME = {
+    "one term, nu .43": uniaxial(ONE_TERM, 0.43),
+    "one term, K constant": uniaxial(ONE_TERM, 0.43, constant_bulk=True),
+    "eight terms, K constant": uniaxial(EIGHT_TERMS, 0.3, constant_bulk=True),
+    "half of it, nu .499": uniaxial(Relaxation(1.0, (0.5,), (1.0,)), 0.499, constant_bulk=True),
+}
 CALCULIX_INCREMENTS, CALCULIX_TIMEOUT = 20, 170.0
 
 
@@ -41,6 +54,36 @@ def press(material: Material, unload_from: tuple[float, ...]) -> Cost:
     began = time.process_time()
     curve = fem.press(material, unload_from=unload_from, tolerance=TOLERANCE)
     return Cost(curve, time.process_time() - began)
+
+
+def press_in_time(material: PronyViscoelastic, depth: float) -> Cost:
+    """The same for a ramp of 1 s to `depth` (over the radius), a hold of 2 s and a release in 1 s."""
+    began = time.process_time()
+    curve = fem.press_in_time(material, ramp_hold_release(depth, 1.0, 2.0, 1.0), tolerance=TOLERANCE)
+    return Cost(curve, time.process_time() - began)
+
+
+def elastic_seconds(material: PronyViscoelastic, depth: float) -> float:
+    """CPU seconds of the elastic press to `depth`."""
+    began = time.process_time()
+    fem.press(material.instantaneous, max_overlap=depth, tolerance=TOLERANCE)
+    return time.process_time() - began
+
+
+def in_time() -> None:
+    """Measure and print the viscoelastic curves."""
+    for name, material in IN_TIME.items():
+        for depth in IN_TIME_DEPTHS:
+            before = elastic_seconds(material, depth)
+            cost = press_in_time(material, depth)
+            ratio = cost.cpu_seconds / (0.5 * (before + elastic_seconds(material, depth)))
+            stopped = f"; STOPPED EARLY: {cost.curve.stopped}" if cost.curve.stopped else ""
+            of_goal = cost.cpu_seconds / IN_TIME_GOAL
+            print(
+                f"{name:24s} ramp, hold, release at {depth:4g} R {cost.cpu_seconds:6.2f} CPU s, {of_goal:5.2f} of the goal, "
+                f"{ratio:4.1f} times the elastic press; error stated {cost.curve.errors['force']:.2%}{stopped}",
+                flush=True,
+            )
 
 
 def where(curve: Curve) -> str:
@@ -120,6 +163,8 @@ def main(arguments: list[str] | None = None) -> None:
             print(f"          {where(cost.curve)}")
             if compare and overlaps == SHALLOW:
                 print(f"          {_beside(material, cost)}", flush=True)
+    press_in_time(IN_TIME["one term, K constant"], 1e-3)  # loads what was compiled
+    in_time()
 
 
 if __name__ == "__main__":
