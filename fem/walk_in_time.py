@@ -19,7 +19,7 @@ from fem.programme import Row
 from fem.relaxing import Relaxing
 from fem.release import Release
 
-HALVINGS = 6  # of a step that finds no equilibrium
+HALVINGS = 10  # of a step that finds no equilibrium
 FORCE_TOLERANCE = 1e-5  # of the largest force, where the force is prescribed
 SECANTS = 40
 FIRST_OVERLAP = 2e-5  # over the half height: how far a force is sought at first from where the body just touches
