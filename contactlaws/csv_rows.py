@@ -35,11 +35,11 @@ def read_rows(path: str | Path, columns: Collection[str], facts: Collection[str]
     stated = _facts(path, comments, facts)
     if not body:
         raise InputError(Problem(str(path), "no header", f"its columns must be some of {', '.join(columns)}", "give the right file"))
-    header = [name.strip() for name in _cells(path, *body[0])]
+    header = [name.strip() for name in cells(path, *body[0])]
     require(_problems_with_header(f"{path} line {body[0][0]}: column", header, columns))
     values, problems = [], []
     for number, line in body[1:]:
-        row, wrong = _row(f"{path} line {number}", header, _cells(path, number, line))
+        row, wrong = _row(f"{path} line {number}", header, cells(path, number, line))
         values.append(row)
         problems += wrong
     require(problems[:MOST_PROBLEMS])
@@ -66,7 +66,7 @@ def _problems_with_header(place: str, header: list[str], known: Collection[str])
             yield Problem(place, name, f"each of {', '.join(known)} may stand there once", "rename or remove the column")
 
 
-def _cells(path: str | Path, number: int, line: str) -> list[str]:
+def cells(path: str | Path, number: int, line: str) -> list[str]:
     """The cells of one line; no cell goes on in the next line."""
     try:
         return next(csv.reader([line], strict=True))
@@ -75,13 +75,13 @@ def _cells(path: str | Path, number: int, line: str) -> list[str]:
         raise InputError(Problem(f"{path} line {number}", line.strip()[:80], bound, "remove the stray quotation mark")) from error
 
 
-def _row(place: str, header: list[str], cells: list[str]) -> tuple[list[float], list[Problem]]:
-    if len(cells) != len(header):
-        return [], [Problem(place, ",".join(cells), f"must have {len(header)} values", "complete or remove the line")]
-    row = [finite(cell) for cell in cells]
+def _row(place: str, header: list[str], values: list[str]) -> tuple[list[float], list[Problem]]:
+    if len(values) != len(header):
+        return [], [Problem(place, ",".join(values), f"must have {len(header)} values", "complete or remove the line")]
+    row = [finite(cell) for cell in values]
     wrong = [
         Problem(f"{place}: {name}", cell.strip() or None, "must be a finite number", "repair or remove the line")
-        for name, cell, value in zip(header, cells, row, strict=True)
+        for name, cell, value in zip(header, values, row, strict=True)
         if value is None
     ]
     return [value for value in row if value is not None], wrong

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contactlaws.csv_rows import cells as cells_of
 from contactlaws.curve import Curve, branches_in_time
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.files import read_text, write_text
@@ -47,7 +47,7 @@ def read(path: str | Path, in_time: bool = False) -> tuple[dict[str, Any], dict[
     body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not body:
         raise InputError(Problem(str(path), "no rows", "a curve file needs a header and rows", "check that the right file was given"))
-    header = [name.strip() for name in _cells(path, *body[0])]
+    header = [name.strip() for name in cells_of(path, *body[0])]
     require(_problems_with_header(path, header))
     columns = _columns(path, header, body[1:])
     rows = [number for number, _ in body[1:]]
@@ -92,20 +92,11 @@ def _problems_with_header(path: str | Path, header: list[str]) -> Iterator[Probl
             yield Problem(f"{path}: column", name, f"each of {', '.join(KNOWN)} may stand there once", "rename or remove the column")
 
 
-def _cells(path: str | Path, number: int, line: str) -> list[str]:
-    """The cells of one line; no cell goes on in the next line."""
-    try:
-        return next(csv.reader([line], strict=True))
-    except csv.Error as error:
-        bound = f"is no line of a CSV file ({error})"
-        raise InputError(Problem(f"{path} line {number}", line.strip()[:80], bound, "remove the stray quotation mark")) from error
-
-
 def _columns(path: str | Path, header: list[str], body: list[tuple[int, str]]) -> dict[str, Any]:
     problems: list[Problem] = []
     values: list[list[float]] = []
     for number, line in body:
-        cells = _cells(path, number, line)
+        cells = cells_of(path, number, line)
         if len(cells) != len(header):
             problems.append(
                 Problem(f"{path} line {number}", ",".join(cells), f"must have {len(header)} values", "complete or remove the line")

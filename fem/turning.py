@@ -14,6 +14,7 @@ from fem.assembly import Discretisation, discretise
 from fem.mesh import FloatArray, spheroid
 from fem.newton import ByOverlap, Equilibrium, State
 from fem.press import core_size, moduli_of
+from fem.relaxing import held_share
 
 
 def turned_force(modulus: Relaxation, poissons_ratio: float, depth: float, steps: int = 24, divisions: int = 12) -> tuple[float, float]:
@@ -59,8 +60,7 @@ def hereditary(stress: FloatArray, modulus: Relaxation, duration: float) -> Floa
     """The integral over rows that are even in time, each term exact for straight growth in between."""
     step = duration / (len(stress) - 1)
     total = stress[-1] * (1.0 - sum(modulus.fractions))
-    for g, tau in zip(modulus.fractions, modulus.times, strict=True):
-        left, held = np.exp(-step / tau), -np.expm1(-step / tau) / (step / tau)
+    for g, left, held in zip(modulus.fractions, *held_share(step, np.array(modulus.times)), strict=True):
         term = np.zeros_like(stress[0])
         for change in np.diff(stress, axis=0):
             term = left * term + held * change
