@@ -1,9 +1,10 @@
 """The loop of Jodrey & Tory's random close packing: again and again, push the worst pair apart.
 
-Everything is in units of the (cubic) box's edge. `ratio` of a pair is its distance over the sum of its nominal radii, those that would
-fill the box, so ratio**3 is a packing fraction. The smallest ratio, the inner one, rises as pairs are moved; the outer one, to which the
-worst pair is spread, sinks by a small step with every move, the smaller the closer the two are. The worst pair is found through a
-tournament tree over each particle's nearest neighbour, so a move costs a few searches of 27 cells, whatever the number of particles.
+Lengths are such that the box has the volume 1. `ratio` of a pair is its distance over the sum of its nominal radii, those that would fill
+the box, so ratio**3 is a packing fraction. The smallest ratio, the inner one, rises as pairs are moved; the outer one, to which the worst
+pair is spread, sinks by a small step with every move, the smaller the closer the two are. The worst pair is found through a tournament
+tree over what each particle last knew of its nearest neighbour. That is a lower bound, since neighbours may have gone away meanwhile: only
+a particle that wins with an outdated bound looks again. So a move costs a few searches among near cells, whatever the number of particles.
 """
 
 from __future__ import annotations
@@ -13,32 +14,7 @@ import math
 import numpy as np
 
 from contactlaws.compiled import kernel
-
-
-@kernel
-def _cell_of(position, i, cells):  # type: ignore[no-untyped-def]
-    x = min(int(position[i, 0] * cells), cells - 1)
-    y = min(int(position[i, 1] * cells), cells - 1)
-    z = min(int(position[i, 2] * cells), cells - 1)
-    return (x * cells + y) * cells + z
-
-
-@kernel
-def _insert(i, cell, first, following, home):  # type: ignore[no-untyped-def]
-    home[i] = cell
-    following[i] = first[cell]
-    first[cell] = i
-
-
-@kernel
-def _remove(i, first, following, home):  # type: ignore[no-untyped-def]
-    k = first[home[i]]
-    if k == i:
-        first[home[i]] = following[i]
-        return
-    while following[k] != i:
-        k = following[k]
-    following[k] = following[i]
+from dem.packing_cells import near, put, separation, take
 
 
 @kernel
@@ -48,7 +24,10 @@ def _play(tree, i, ratio):  # type: ignore[no-untyped-def]
     tree[k] = ratio
     while k > 1:
         k //= 2
-        tree[k] = min(tree[2 * k], tree[2 * k + 1])
+        smaller = min(tree[2 * k], tree[2 * k + 1])
+        if tree[k] == smaller:
+            return
+        tree[k] = smaller
 
 
 @kernel
@@ -62,99 +41,78 @@ def _winner(tree):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _ratio(position, radius, i, j):  # type: ignore[no-untyped-def]
-    """Distance to the nearest image over the sum of the radii."""
-    square = 0.0
+def _settle(i, position, radius, outer, cells, partner, tree, found):  # type: ignore[no-untyped-def]
+    """Find the nearest neighbour of i anew, if nearer than `outer`, and let those that i is now nearest to know."""
+    half, nearest = tree.size // 2, outer
+    partner[i] = -1
+    for k in found[: near(i, position, radius, outer, cells, found)]:
+        ratio = separation(position, radius, cells.lengths, i, k)
+        if ratio < outer and k != i:
+            if ratio < nearest:
+                nearest, partner[i] = ratio, k
+            if ratio < tree[half + k]:
+                partner[k] = i
+                _play(tree, k, ratio)
+    _play(tree, i, nearest if partner[i] >= 0 else np.inf)
+
+
+@kernel
+def _worst(position, radius, outer, cells, partner, tree, found):  # type: ignore[no-untyped-def]
+    """The particle with the smallest ratio, after those that won with a bound below the truth have looked again."""
+    while True:
+        i = _winner(tree)
+        if tree[1] >= outer or separation(position, radius, cells.lengths, i, partner[i]) <= tree[1]:
+            return i
+        _settle(i, position, radius, outer, cells, partner, tree, found)
+
+
+@kernel
+def _spread(i, j, position, radius, outer, lengths):  # type: ignore[no-untyped-def]
+    """Move the two apart along their line to the ratio `outer`, their common centre of mass staying where it is."""
+    ratio = separation(position, radius, lengths, i, j)
+    share = radius[j] ** 3 / (radius[i] ** 3 + radius[j] ** 3)
     for axis in range(3):
         d = position[j, axis] - position[i, axis]
-        d -= np.rint(d)
-        square += d * d
-    return math.sqrt(square) / (radius[i] + radius[j])
-
-
-@kernel
-def _settle(i, position, radius, cells, first, following, home, partner, tree):  # type: ignore[no-untyped-def]
-    """Find the nearest neighbour of i anew, and let those that i is now nearest to know."""
-    x, y, z = home[i] // (cells * cells), home[i] // cells % cells, home[i] % cells
-    half = tree.size // 2
-    nearest, found = np.inf, -1
-    for a in range(x - 1, x + 2):
-        for b in range(y - 1, y + 2):
-            for c in range(z - 1, z + 2):
-                k = first[(a % cells * cells + b % cells) * cells + c % cells]
-                while k >= 0:
-                    if k != i:
-                        ratio = _ratio(position, radius, i, k)
-                        if ratio < nearest:
-                            nearest, found = ratio, k
-                        if ratio < tree[half + k]:
-                            partner[k] = i
-                            _play(tree, k, ratio)
-                    k = following[k]
-    partner[i] = found
-    _play(tree, i, nearest)
-
-
-@kernel
-def _forsaken(i, cells, first, following, home, partner, lost, count):  # type: ignore[no-untyped-def]
-    """Append to `lost` the neighbours of i that have it as their nearest: it is about to move away. Their number is returned."""
-    x, y, z = home[i] // (cells * cells), home[i] // cells % cells, home[i] % cells
-    for a in range(x - 1, x + 2):
-        for b in range(y - 1, y + 2):
-            for c in range(z - 1, z + 2):
-                k = first[(a % cells * cells + b % cells) * cells + c % cells]
-                while k >= 0:
-                    if partner[k] == i and count < lost.size:
-                        lost[count] = k
-                        partner[k] = -1
-                        count += 1
-                    k = following[k]
-    return count
+        d -= lengths[axis] * np.rint(d / lengths[axis])
+        push = (outer / ratio - 1.0) * d if ratio > 0.0 else outer * (radius[i] + radius[j]) / math.sqrt(3.0)
+        position[i, axis] -= share * push
+        position[j, axis] += (1.0 - share) * push
+        for k in (i, j):
+            position[k, axis] -= math.floor(position[k, axis] / lengths[axis]) * lengths[axis]
 
 
 @kernel
 def push_apart(position, radius, cells, target, rate, most):  # type: ignore[no-untyped-def]
-    """Move pairs of `position` (in place) until the inner ratio reaches `target`, the outer one falls below it, or `most` moves are done.
+    """Move pairs of `position` (in place) until the inner ratio reaches `target` or the outer one, or `most` moves are done.
 
-    Returns the inner ratio and the number of moves. `rate` is the contraction rate of Jodrey & Tory 1985: the outer ratio sinks by
-    rate/(2^j n) a move, j = floor(-log10(outer - inner packing fraction)).
+    Returns the ratio up to which no two particles overlap and the number of moves. `rate` is the contraction rate of Jodrey & Tory 1985:
+    the outer ratio sinks by rate/(2^j n) a move, j = floor(-log10(outer - inner packing fraction)).
     """
     count = len(position)
     leaves = 1
     while leaves < count:
         leaves *= 2
-    tree = np.full(2 * leaves, np.inf)
-    first, following = np.full(cells**3, -1), np.full(count, -1)
-    home, partner, lost = np.zeros(count, np.int64), np.full(count, -1), np.empty(4096, np.int64)
+    tree, partner, found = np.full(2 * leaves, np.inf), np.full(count, -1), np.empty(count, np.int64)
+    outer, moves = 1.0, 0
     for i in range(count):
-        _insert(i, _cell_of(position, i, cells), first, following, home)
-    for i in range(count):
-        _settle(i, position, radius, cells, first, following, home, partner, tree)
-    outer, inner, moves = 1.0, tree[1], 0
-    while inner < target <= outer and moves < most:
-        i = _winner(tree)
-        j = partner[i]
-        ratio = _ratio(position, radius, i, j)
-        abandoned = _forsaken(i, cells, first, following, home, partner, lost, 0)
-        abandoned = _forsaken(j, cells, first, following, home, partner, lost, abandoned)
-        _remove(i, first, following, home)
-        _remove(j, first, following, home)
-        for axis in range(3):
-            d = position[j, axis] - position[i, axis]
-            d -= np.rint(d)
-            push = 0.5 * (outer / ratio - 1.0) * d if ratio > 0.0 else 0.5 * outer * (radius[i] + radius[j]) / math.sqrt(3.0)
-            position[i, axis] -= push
-            position[i, axis] -= math.floor(position[i, axis])
-            position[j, axis] += push
-            position[j, axis] -= math.floor(position[j, axis])
-        _insert(i, _cell_of(position, i, cells), first, following, home)
-        _insert(j, _cell_of(position, j, cells), first, following, home)
-        _settle(i, position, radius, cells, first, following, home, partner, tree)
-        _settle(j, position, radius, cells, first, following, home, partner, tree)
-        for k in range(abandoned):
-            _settle(lost[k], position, radius, cells, first, following, home, partner, tree)
-        gap = max(outer**3 - inner**3, 1e-16)
-        outer -= 0.5 ** math.floor(-math.log10(gap)) * rate / count if gap < 1.0 else rate / count
+        put(i, position, cells)
+        _settle(i, position, radius, outer, cells, partner, tree, found)
+    while moves < most:
+        i = _worst(position, radius, outer, cells, partner, tree, found)
         inner = min(tree[1], outer)
+        if moves > 0:
+            gap = max(outer**3 - inner**3, 1e-16)
+            outer -= 0.5 ** math.floor(-math.log10(gap)) * rate / count if gap < 1.0 else rate / count
+        if inner >= min(target, outer):
+            break
+        j = partner[i]
+        take(i, cells)
+        take(j, cells)
+        _spread(i, j, position, radius, outer, cells.lengths)
+        put(i, position, cells)
+        put(j, position, cells)
+        _settle(i, position, radius, outer, cells, partner, tree, found)
+        _settle(j, position, radius, outer, cells, partner, tree, found)
         moves += 1
-    return tree[1], moves
+    _worst(position, radius, outer, cells, partner, tree, found)
+    return min(tree[1], outer), moves

@@ -1,0 +1,72 @@
+"""Packing fraction reached against CPU time: random close packings at given contraction rates and at asked fractions, and beds of spheres.
+
+    python -m cases.benchmarks.packing_speed
+
+The first table is where `dem.packing.RATES` and `JAMMED` come from. One thread; compiling is done before.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from dem.jodrey_tory import push_apart
+from dem.packing import DENSE, RATES, random_close_packing
+from dem.packing_cells import cells_for
+
+RADIUS = 5e-6
+SEEDS = {250: range(6), 1000: range(3), 10_000: range(1)}
+ASKED = (0.6, 0.62, 0.635, 0.64, None)
+
+
+def jammed(count: int, rate: float, seed: int) -> tuple[float, float]:
+    """Packing fraction at which equal spheres jam at a contraction rate, and moves per sphere."""
+    nominal, lengths = np.full(count, (0.75 / (math.pi * count)) ** (1.0 / 3.0)), np.ones(3)
+    position = np.random.default_rng(seed).random((count, 3))
+    ratio, moves = push_apart(position, nominal, cells_for(nominal, lengths), math.inf, rate, int(4.0 * count / rate))
+    return ratio**3, moves / count
+
+
+def print_rates() -> None:
+    """Where equal spheres jam, for each contraction rate."""
+    for rate in RATES:
+        for count, seeds in SEEDS.items():
+            if rate < DENSE and count > 1000:
+                continue  # many minutes
+            began = time.process_time()
+            runs = np.array([jammed(count, rate, seed) for seed in seeds])
+            seconds = (time.process_time() - began) / len(seeds)
+            mean, scatter, moves = runs[:, 0].mean(), runs[:, 0].std(), runs[:, 1].mean()
+            print(
+                f"rate {rate:7g} {count:6d} spheres  jammed at {mean:.4f} +- {scatter:.4f} ({len(seeds)} seeds), "
+                f"{moves:6.0f} moves per sphere, {seconds:7.2f} CPU s",
+                flush=True,
+            )
+
+
+def print_fractions() -> None:
+    """What an asked packing fraction costs, all attempts included."""
+    for asked in ASKED:
+        for count, seeds in SEEDS.items():
+            began = time.process_time()
+            packings = [random_close_packing(count, asked, RADIUS, seed) for seed in seeds]
+            seconds = (time.process_time() - began) / len(seeds)
+            least, worst = min(p.packing_fraction for p in packings), max(p.worst_overlap for p in packings)
+            name = "as dense as it gets" if asked is None else f"asked for {asked:.3f}"
+            print(
+                f"{name:19s} {count:6d} spheres  at least {least:.4f} ({len(seeds)} seeds), worst {worst:8.1e}, {seconds:7.2f} CPU s",
+                flush=True,
+            )
+
+
+def main() -> None:
+    """Measure and print."""
+    random_close_packing(20, 0.5, RADIUS)
+    print_rates()
+    print_fractions()
+
+
+if __name__ == "__main__":
+    main()
