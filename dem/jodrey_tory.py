@@ -82,7 +82,7 @@ def _spread(i, j, position, radius, outer, lengths):  # type: ignore[no-untyped-
 
 
 @kernel
-def push_apart(position, radius, cells, target, rate, most):  # type: ignore[no-untyped-def]
+def push_apart(position, radius, cells, target, rate, most, outer=1.0):  # type: ignore[no-untyped-def]
     """Move pairs of `position` (in place) until the inner ratio reaches `target` or the outer one, or `most` moves are done.
 
     Returns the ratio up to which no two particles overlap and the number of moves. `rate` is the contraction rate of Jodrey & Tory 1985:
@@ -93,7 +93,7 @@ def push_apart(position, radius, cells, target, rate, most):  # type: ignore[no-
     while leaves < count:
         leaves *= 2
     tree, partner, found = np.full(2 * leaves, np.inf), np.full(count, -1), np.empty(count, np.int64)
-    outer, moves = 1.0, 0
+    moves = 0
     for i in range(count):
         put(i, position, cells)
         _settle(i, position, radius, outer, cells, partner, tree, found)

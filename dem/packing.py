@@ -50,7 +50,7 @@ def random_close_packing(
     """Overlap-free random packing of `count` spheres in a periodic box, of exactly the fraction asked for (Jodrey & Tory 1985).
 
     `radius` is one number or one for each sphere, in m; `edges` are in proportion to those of the box. The same seed gives the same
-    packing. Without a fraction, the packing is as dense as it gets (0.64 for equal spheres; takes three times as long as 0.635). The slower
+    packing. Without a fraction, the packing is as dense as it gets (0.64 for equal spheres; at five times the cost of 0.635). The slower
     the contraction, the denser the packing: the rate is chosen for the fraction, and a new attempt is made with a slower one where the
     spheres jammed before it. Raises `InputError` before computing for a fraction that no random packing has, and afterwards, with the
     fraction that was reached, for one that this algorithm cannot find.
@@ -62,7 +62,7 @@ def random_close_packing(
     require(_problems(count, packing_fraction, radius, edges))
     radii = np.broadcast_to(np.asarray(radius, dtype=float), (count,))
     equal = bool(np.all(radii == radii[0]))
-    solid = float(np.sum(4.0 / 3.0 * math.pi * radii**3))
+    solid = volume_of(radii)
     nominal, lengths = (
         radii / solid ** (1.0 / 3.0),
         np.array(edges) / math.prod(edges) ** (1.0 / 3.0),
@@ -110,16 +110,11 @@ def _first_rate(packing_fraction: float | None, count: int, equal: bool) -> floa
 def _problems(
     count: int, packing_fraction: float | None, radius: float | npt.ArrayLike, edges: tuple[float, float, float]
 ) -> Iterator[Problem]:
+    wrong = tuple(problems_with_radii(count, radius))
+    if wrong:
+        yield from wrong
+        return
     radii = np.atleast_1d(np.asarray(radius, dtype=float))
-    if count < 1:
-        yield Problem("count", count, "must be at least 1", "ask for some spheres")
-        return
-    if radii.shape not in ((1,), (count,)):
-        yield Problem("radius", radii.shape, f"must be one number or {count} of them", "one radius per sphere")
-        return
-    if not (np.isfinite(radii) & (radii > 0.0)).all():
-        yield Problem("radius", float(radii[~(np.isfinite(radii) & (radii > 0.0))][0]), "must be positive and finite", "give it in m")
-        return
     if len(edges) != 3 or not all(0.0 < edge < math.inf for edge in edges):
         yield Problem("edges", edges, "must be three positive finite numbers", "(1, 1, 1) is a cube")
         return
@@ -134,6 +129,23 @@ def _problems(
         bound = f"random packings of {kind} lie in (0, {limit:.4g}]"
         reason = "denser ones are crystals: use a lattice, or compress a packing of 0.64" if equal and count > 1 else "ask for less"
         yield Problem("packing_fraction", packing_fraction, bound, reason)
+
+
+def problems_with_radii(count: int, radius: float | npt.ArrayLike) -> Iterator[Problem]:
+    """Yield what is wrong with a number of spheres and their radii, in m: one, or one for each."""
+    radii = np.atleast_1d(np.asarray(radius, dtype=float))
+    bad = radii[~(np.isfinite(radii) & (radii > 0.0))]
+    if count < 1:
+        yield Problem("count", count, "must be at least 1", "ask for some spheres")
+    elif radii.shape not in ((1,), (count,)):
+        yield Problem("radius", radii.shape, f"must be one number or {count} of them", "one radius per sphere")
+    elif len(bad):
+        yield Problem("radius", float(bad[0]), "must be positive and finite", "give it in m")
+
+
+def volume_of(radii: FloatArray) -> float:
+    """Of all these spheres together, m3."""
+    return float(np.sum(4.0 / 3.0 * math.pi * radii**3))
 
 
 def simple_cubic(cells: tuple[int, int, int], radius: float) -> Packing:

@@ -31,13 +31,14 @@ class Cells(NamedTuple):
     home: IntArray  # the cell of each sphere
 
 
-def cells_for(radius: FloatArray, lengths: FloatArray) -> Cells:
-    """Empty cells for spheres of these radii, as wide as the largest spheres of their class."""
+def cells_for(radius: FloatArray, lengths: FloatArray, axes: int = 3) -> Cells:
+    """Empty cells for spheres of these radii, as wide as the largest spheres of their class; columns of any height where `axes` is 2."""
     size = np.floor(np.log2(radius.max() / radius)).astype(np.int64)
     classes, size = np.unique(size, return_inverse=True)
     largest = np.array([radius[size == k].max() for k in range(len(classes))])
-    most = lengths * (max(8.0, 4.0 * len(radius)) / float(np.prod(lengths))) ** (1.0 / 3.0)  # no multitude of empty cells
-    shape = np.maximum(1, np.minimum(lengths / (2.0 * largest[:, None]), most)).astype(np.int64)
+    most = lengths[:axes] * (max(8.0, 4.0 * len(radius)) / float(np.prod(lengths[:axes]))) ** (1.0 / axes)  # no multitude of empty cells
+    shape = np.ones((len(classes), 3), dtype=np.int64)
+    shape[:, :axes] = np.maximum(1, np.minimum(lengths[:axes] / (2.0 * largest[:, None]), most))
     start = np.concatenate(([0], np.cumsum(shape.prod(axis=1))))
     empty = np.full(len(radius), -1)
     return Cells(lengths, size, largest, shape, start[:-1], np.full(start[-1], -1), empty, empty.copy())
