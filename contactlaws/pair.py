@@ -36,7 +36,7 @@ def effective(material_1: Material, radius_1: float, material_2: Material, radiu
     Solids Struct. 34, 3061). Unloading starts with the stiffness 2 E* a. Two equal spheres are given back unchanged.
 
     share = 1/2, the default, is two equal bodies: `pair_force` and the particle simulations take its law as it is. Where one sphere is much
-    harder and larger than the other, `share_of_softer` is far better at large overlap; its law goes to `shared_force`.
+    harder and larger than the other, `share_of_softer` is far better at large overlap; its law takes that share.
 
     Bounds, shown by `python -m cases.verification.pairs`: a rigid sphere pressed into one of E/Y = 10 to 500, where the curved interface
     counts the most, up to .3 of the softer radius, by finite elements good to 6 %. With `share_of_softer` the force is within 12 % for any
@@ -150,59 +150,43 @@ def _problems_of_pair(material_1: Material, radius_1: float, material_2: Materia
 
 
 @kernel
-def pair_scale(law, radius_i, radius_j):  # type: ignore[no-untyped-def]
-    """Ratio of the equivalent equal spheres' radius to the law's radius."""
-    return 2.0 * radius_i * radius_j / ((radius_i + radius_j) * law.radius)
+def pair_scale(law, radius_i, radius_j, share=0.5):  # type: ignore[no-untyped-def]
+    """Radius of the pair's equivalent body, R_i R_j/((R_i + R_j) share), over the law's; 1 for the radii that `effective` was given."""
+    return radius_i * radius_j / ((radius_i + radius_j) * share * law.radius)
+
+
+@kernel
+def wall_scale(law, radius):  # type: ignore[no-untyped-def]
+    """The same of a sphere on a rigid flat, whose share is 1: all of the overlap is the sphere's."""
+    return radius / law.radius
 
 
 @inlined
-def pair_force(law, scale, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
-    """Force in N between two spheres whose centres are `overlap` (m) closer than the sum of their radii, and the new memory."""
-    half = 0.5 / scale
-    force, state = dispatch.normal_force(law, overlap * half, rate * half, dt, state)
+def pair_force(law, scale, overlap, rate, dt, state, share=0.5):  # type: ignore[no-untyped-def]
+    """Force in N between two spheres whose centres are `overlap` (m) closer than the sum of their radii, and the new memory.
+
+    `share` of the overlap is that of the body whose law it is (see `effective`): 1/2 of two equal spheres, 1 of one on a rigid flat.
+    """
+    part = share / scale
+    force, state = dispatch.normal_force(law, overlap * part, rate * part, dt, state)
     return scale * scale * force, state
 
 
 @kernel
-def pair_contact_radius(law, scale, overlap, state):  # type: ignore[no-untyped-def]
+def pair_contact_radius(law, scale, overlap, state, share=0.5):  # type: ignore[no-untyped-def]
     """Contact radius in m of the pair."""
-    return scale * dispatch.contact_radius(law, 0.5 * overlap / scale, state)
+    return scale * dispatch.contact_radius(law, share * overlap / scale, state)
 
 
 @kernel
-def pair_energy(law, scale, overlap, state):  # type: ignore[no-untyped-def]
+def pair_energy(law, scale, overlap, state, share=0.5):  # type: ignore[no-untyped-def]
     """Stored and dissipated energy in J of both bodies together."""
-    stored, dissipated = dispatch.energy(law, 0.5 * overlap / scale, state)
-    factor = 2.0 * scale * scale * scale
+    stored, dissipated = dispatch.energy(law, share * overlap / scale, state)
+    factor = scale * scale * scale / share
     return factor * stored, factor * dissipated
 
 
 @kernel
-def pair_stiffness_bound(law, scale, overlap):  # type: ignore[no-untyped-def]
+def pair_stiffness_bound(law, scale, overlap, share=0.5):  # type: ignore[no-untyped-def]
     """Largest tangent stiffness in N/m of the pair, over all histories that stay at or below `overlap`."""
-    return 0.5 * scale * dispatch.stiffness_bound(law, 0.5 * overlap / scale)
-
-
-@kernel
-def shared_force(law, share, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
-    """Force in N of a pair whose law was made for the body `effective(..., share)`, and the new memory."""
-    return dispatch.normal_force(law, share * overlap, share * rate, dt, state)
-
-
-@kernel
-def shared_contact_radius(law, share, overlap, state):  # type: ignore[no-untyped-def]
-    """Contact radius in m of such a pair."""
-    return dispatch.contact_radius(law, share * overlap, state)
-
-
-@kernel
-def shared_energy(law, share, overlap, state):  # type: ignore[no-untyped-def]
-    """Stored and dissipated energy in J of both bodies of such a pair together."""
-    stored, dissipated = dispatch.energy(law, share * overlap, state)
-    return stored / share, dissipated / share
-
-
-@kernel
-def shared_stiffness_bound(law, share, overlap):  # type: ignore[no-untyped-def]
-    """Largest tangent stiffness in N/m of such a pair, over all histories that stay at or below `overlap`."""
-    return share * dispatch.stiffness_bound(law, share * overlap)
+    return share * scale * dispatch.stiffness_bound(law, share * overlap / scale)

@@ -3,7 +3,7 @@
 from dem import impact, output, packing
 from dem.box import Box
 from dem.particles import Particles, spheres
-from dem.scene import Contact, Scene, Stage, packed_scene, uniaxial_compression
+from dem.scene import Contact, Scene, Stage, confined, hold, isotropic_compression, packed_scene, simple_shear, uniaxial_compression
 from dem.simulation import run
 from dem.trajectory import Trajectory
 
@@ -14,11 +14,15 @@ __all__ = [
     "Scene",
     "Stage",
     "Trajectory",
+    "confined",
+    "hold",
     "impact",
+    "isotropic_compression",
     "output",
     "packed_scene",
     "packing",
     "run",
+    "simple_shear",
     "spheres",
     "uniaxial_compression",
 ]

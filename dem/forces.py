@@ -1,20 +1,93 @@
-"""The one pair kernel: every force of every scene, and of the impact of two spheres, is computed here."""
+"""The one pair kernel: every force of every scene, and of the impact of two spheres, is computed here.
+
+Pairs are taken in blocks, in three passes over the same short buffers: gather what the two spheres have, compute, scatter. The middle pass
+has no indirect access, so the compiler makes it four contacts wide. What a scene does not need is None, and compiled away.
+"""
 
 from __future__ import annotations
 
 import math
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
 
 from contactlaws import dispatch, pair
 from contactlaws.compiled import kernel
+from contactlaws.tangential import Damper, Mindlin, Rolling, damper_force, dragged, tangential_stiffness
 
-#: what the kernels keep count of: J given in by the moving boundary; J dissipated by contacts that have ended; J taken out by the drag;
-#: largest overlap of one body over its radius, at any time
-BOUNDARY_WORK, LOST_ENERGY, DAMPED_ENERGY, LARGEST_OVERLAP = range(4)
-TALLIES = 4
+FloatArray = npt.NDArray[np.float64]
+IndexArray = npt.NDArray[np.uint32]
+
+#: rows of the tally, which the kernels keep: J dissipated by contacts that have ended; J that tangential forces and rolling moments took
+#: up; J that dampers took; largest overlap of one body over its radius, at any time; J taken by the drag; J given by the moving boundary
+LOST, SHEARED, DAMPED, LARGEST, DRAGGED, WORK = range(6)
+TALLIES = 6
+#: pairs taken at a time: the buffers stay in the first cache
+BLOCK, COLUMNS = 64, 32
+#: below any distance; keeps two centres in one place from a division by zero
+NEAREST = 1e-150
+ONE = np.uint64(1)  # unsigned indices: numba then needs no test for negative ones
+#: columns of a block: centre to centre; relative velocity; half the spins; relative spin; force and moment on the second; the rest
+D, V, C, W, G, T, M = 0, 3, 6, 9, 12, 15, 18
+OVERLAP, INVERSE, NORMAL, RADIUS, MASS, CONTACT, RADIUS_1, RADIUS_2 = range(21, 29)
+
+#: sums over contacts may be taken in any order, fixed by the compiler; products may be fused with sums
+block_kernel = partial(kernel, fastmath=frozenset({"reassoc", "contract", "nsz"}))
+
+
+class Bodies(NamedTuple):
+    """The spheres as the kernels see them."""
+
+    position: FloatArray  # m, shape (n, 3); never wrapped
+    velocity: FloatArray  # m/s, shape (n, 3); relative to the box
+    spin: FloatArray | None  # 1/s, shape (n, 3); None: no force can turn them
+    radius: FloatArray | None  # m, shape (n,); None: all are `one_radius`
+    one_radius: float
+    mass: FloatArray | None  # kg, shape (n,); None: all are `one_mass`
+    one_mass: float
+
+
+class Roles(NamedTuple):
+    """The physics of one kind of contact; None is absent."""
+
+    normal: object
+    tangential: Mindlin | None
+    rolling: Rolling | None
+    damper: Damper | None
+    share: float  # of the overlap that is the law's body's, see contactlaws.pair
+    rates: bool | None  # None: nothing asks how fast the spheres approach
+
+
+class Rows(NamedTuple):
+    """Half list of the pairs of one kind, each once, sorted by the first sphere; of walls, `partner` is the wall and `image` None."""
+
+    first: IndexArray
+    partner: IndexArray
+    image: npt.NDArray[np.uint16] | None  # row of the shifts
+
+
+class Past(NamedTuple):
+    """What contacts remember, one column or row per pair."""
+
+    memory: FloatArray | None  # of the law, shape (m, floats)
+    slip: FloatArray | None  # tangential force on the first sphere in N, and the contact radius in m; shape (4, m)
+    roll: FloatArray | None  # rolling moment on the first sphere in N m, shape (3, m)
+    damping: FloatArray | None  # the damper's force in N, shape (m,)
+
+
+class Frame(NamedTuple):
+    """The box at one moment."""
+
+    shift: FloatArray  # m, where each image is, shape (k, 3)
+    speed: FloatArray  # m/s, of each image relative to the box, shape (k, 3)
+    gradient: FloatArray  # 1/s; the velocity of the box at x is x @ gradient
+    walls: FloatArray  # axis, 1 (particles above) or -1, place in m, velocity in m/s relative to the box; shape (w, 4)
 
 
 @kernel
-def forget(law, scale, memory, row):  # type: ignore[no-untyped-def]
+def forget(law, scale, share, memory, row):  # type: ignore[no-untyped-def]
     """End a contact: clear its memory and return the energy in J that it has used up."""
     state = dispatch.load_state(law, memory, row)
     touched = False
@@ -22,123 +95,213 @@ def forget(law, scale, memory, row):  # type: ignore[no-untyped-def]
         touched = touched or value != 0.0
     if not touched:
         return 0.0
-    stored, dissipated = pair.pair_energy(law, scale, 0.0, state)
+    stored, dissipated = pair.pair_energy(law, scale, 0.0, state, share)
     for k in range(memory.shape[1]):  # afterwards: the state may be this very row
         memory[row, k] = 0.0
     return stored + dissipated
 
 
-@kernel
+@block_kernel
 def pair_forces(  # type: ignore[no-untyped-def]
-    law,
-    position,
-    velocity,
-    radius,
-    one_radius,
-    lengths,
-    strain_rate,
-    dt,
-    start,
-    partner,
-    image,
-    images,
-    memory,
-    magnitude,
-    force,
-    virial,
-    tally,
-):
-    """Forces in N on all particles, shape (n, 3), from one pass over the half list. It is long because it is the loop that costs.
+    law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
+    position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt, begin, end,
+    force, torque, virial, reaction, network, tally,
+):  # fmt: skip
+    """Add the forces (N) and torques (N m) of the pairs `begin` to `end`, and the work that goes with `dt` (s) since the last call.
 
-    `radius` is None when all are `one_radius`, `memory` is None for a law without memory: what is absent is compiled away. `strain_rate`
-    (1/s, per axis) is that of the box, which moves images against each other; `dt` is the time since the last call. Filled in place:
-    `force`, `magnitude` (N, per pair), `memory`, `tally` and `virial`, the sums of r_a F_b over contacts in J, in the order
-    xx yy zz yz xz xy.
+    It is long because it is the loop that costs. `virial` is the sum of d_a F_b over contacts in J, d from the first centre to the second
+    (or to the wall) and F the force on the second, shape (3, 3); `reaction` the force on each wall; `network` the F of each pair, or empty.
     """
-    force[:] = 0.0
-    xx, yy, zz, yz, xz, xy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    largest, lost = 0.0, 0.0
-    shift = images * lengths
-    reach = 2.0 * one_radius
-    scale = pair.pair_scale(law, one_radius, one_radius)
-    for i in range(len(position)):
-        x, y, z = position[i, 0], position[i, 1], position[i, 2]
-        fx, fy, fz = 0.0, 0.0, 0.0
-        for row in range(start[i], start[i + 1]):
-            j = partner[row]
-            s = image[row]
-            dx, dy, dz = position[j, 0] + shift[s, 0] - x, position[j, 1] + shift[s, 1] - y, position[j, 2] + shift[s, 2] - z
-            square = dx * dx + dy * dy + dz * dz
-            if radius is not None:
-                reach = radius[i] + radius[j]
-            if square >= reach * reach:
-                magnitude[row] = 0.0
-                if memory is not None:
-                    if radius is not None:
-                        scale = pair.pair_scale(law, radius[i], radius[j])
-                    lost += forget(law, scale, memory, row)
-                continue
-            if radius is not None:
-                scale = pair.pair_scale(law, radius[i], radius[j])
-            distance = math.sqrt(square)
-            overlap = reach - distance
-            vx = velocity[j, 0] - velocity[i, 0] + strain_rate[0] * dx
-            vy = velocity[j, 1] - velocity[i, 1] + strain_rate[1] * dy
-            vz = velocity[j, 2] - velocity[i, 2] + strain_rate[2] * dz
-            rate = -(dx * vx + dy * vy + dz * vz) / distance
-            if memory is not None:
-                f, state = pair.pair_force(law, scale, overlap, rate, dt, dispatch.load_state(law, memory, row))
-                dispatch.put_back(law, memory, row, state)
+    buf = np.empty((COLUMNS, BLOCK))
+    row, last = np.uint64(begin), np.uint64(end)
+    reach, scale, equal_mass = 2.0 * one_radius, pair.pair_scale(law, one_radius, one_radius, share), 0.5 * one_mass
+    if image is None:
+        reach, scale, equal_mass = one_radius, pair.wall_scale(law, one_radius), one_mass
+    lost, sheared, damped, largest = 0.0, 0.0, 0.0, 0.0
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    while row < last:
+        size = min(np.uint64(BLOCK), last - row)
+        for q in range(size):
+            i, j = first[row + q], partner[row + q]
+            if image is not None:
+                s = image[row + q]
+                for a in range(3):
+                    buf[D + a, q] = position[j, a] + shift[s, a] - position[i, a]
             else:
-                f, _ = pair.pair_force(law, scale, overlap, rate, dt, dispatch.initial_state(law))
-            magnitude[row] = f
-            largest = max(largest, 0.5 * overlap / scale)
-            f /= distance
-            gx, gy, gz = f * dx, f * dy, f * dz
-            fx, fy, fz = fx - gx, fy - gy, fz - gz
-            force[j, 0] += gx
-            force[j, 1] += gy
-            force[j, 2] += gz
-            xx, yy, zz = xx + dx * gx, yy + dy * gy, zz + dz * gz
-            yz, xz, xy = yz + dy * gz, xz + dx * gz, xy + dx * gy
-        force[i, 0] += fx
-        force[i, 1] += fy
-        force[i, 2] += fz
-    virial[0], virial[1], virial[2], virial[3], virial[4], virial[5] = xx, yy, zz, yz, xz, xy
-    tally[LARGEST_OVERLAP] = max(tally[LARGEST_OVERLAP], largest / law.radius)
-    tally[LOST_ENERGY] += lost
+                for a in range(3):
+                    buf[D + a, q] = walls[j, 2] - position[i, a] if a == int(walls[j, 0]) else 0.0
+            if radius is not None:
+                buf[RADIUS_1, q] = radius[i]
+                if image is not None:
+                    buf[RADIUS_2, q] = radius[j]
+        if rates is not None:
+            for q in range(size):
+                i, j = first[row + q], partner[row + q]
+                for a in range(3):
+                    v = buf[D, q] * gradient[0, a] + buf[D + 1, q] * gradient[1, a] + buf[D + 2, q] * gradient[2, a] - velocity[i, a]
+                    if image is not None:
+                        buf[V + a, q] = v + velocity[j, a] + speed[image[row + q], a]
+                    else:
+                        buf[V + a, q] = v + walls[j, 3] if a == int(walls[j, 0]) else v
+                if mass is not None:
+                    buf[MASS, q] = mass[i] if image is None else mass[i] * mass[j] / (mass[i] + mass[j])
+        if spin is not None and tangential is not None:
+            for q in range(size):  # mean spin, weighted with the distances from the contact to the centres
+                i, j = first[row + q], partner[row + q]
+                for a in range(3):
+                    if image is None:
+                        buf[C + a, q] = spin[i, a]
+                    elif radius is None:
+                        buf[C + a, q] = 0.5 * (spin[i, a] + spin[j, a])
+                    else:
+                        buf[C + a, q] = (radius[i] * spin[i, a] + radius[j] * spin[j, a]) / (radius[i] + radius[j])
+                    if rolling is not None:
+                        buf[W + a, q] = (spin[j, a] if image is not None else 0.0) - spin[i, a]
+        for q in range(size):
+            dx, dy, dz = buf[D, q], buf[D + 1, q], buf[D + 2, q]
+            distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+            inverse = 1.0 / max(distance, NEAREST)
+            if radius is not None:
+                reach = buf[RADIUS_1, q]
+                scale = pair.wall_scale(law, reach)
+                if image is not None:
+                    reach = buf[RADIUS_1, q] + buf[RADIUS_2, q]
+                    scale = pair.pair_scale(law, buf[RADIUS_1, q], buf[RADIUS_2, q], share)
+            overlap, rate = reach - distance, 0.0
+            if rates is not None:
+                rate = -(dx * buf[V, q] + dy * buf[V + 1, q] + dz * buf[V + 2, q]) * inverse
+            if memory is None:
+                f, _ = pair.pair_force(law, scale, overlap, rate, dt, dispatch.initial_state(law), share)
+                if tangential is not None or damper is not None:
+                    buf[CONTACT, q] = pair.pair_contact_radius(law, scale, max(overlap, 0.0), dispatch.initial_state(law), share)
+            elif overlap > 0.0:
+                f, state = pair.pair_force(law, scale, overlap, rate, dt, dispatch.load_state(law, memory, row + q), share)
+                if tangential is not None or damper is not None:
+                    buf[CONTACT, q] = pair.pair_contact_radius(law, scale, overlap, state, share)
+                dispatch.put_back(law, memory, row + q, state)
+            else:
+                f = 0.0
+                buf[CONTACT, q] = 0.0
+                lost += forget(law, scale, share, memory, row + q)
+            if damper is not None:
+                m = buf[MASS, q] if mass is not None else equal_mass
+                most = f + damper_force(damper, buf[CONTACT, q], m, rate)
+                held = (max(most, 0.0) if overlap > 0.0 else 0.0) - f
+                damped += 0.5 * (held + damping[row + q]) * rate * dt
+                damping[row + q] = held
+                f += held
+            buf[OVERLAP, q], buf[INVERSE, q], buf[NORMAL, q] = overlap / (scale * law.radius), inverse, f
+            f *= inverse
+            buf[G, q], buf[G + 1, q], buf[G + 2, q] = f * dx, f * dy, f * dz
+        if tangential is not None:
+            for q in range(size):
+                inverse = buf[INVERSE, q]
+                n = (buf[D, q] * inverse, buf[D + 1, q] * inverse, buf[D + 2, q] * inverse)
+                cx, cy, cz = buf[C, q], buf[C + 1, q], buf[C + 2, q]
+                way = (
+                    (buf[V, q] - (cy * buf[D + 2, q] - cz * buf[D + 1, q])) * dt,
+                    (buf[V + 1, q] - (cz * buf[D, q] - cx * buf[D + 2, q])) * dt,
+                    (buf[V + 2, q] - (cx * buf[D + 1, q] - cy * buf[D, q])) * dt,
+                )
+                kept, turn, a = 1.0, 0.0, buf[CONTACT, q]
+                if tangential.shrinking:
+                    kept = min(1.0, a / max(slip[3, row + q], NEAREST))
+                if tangential.turning:
+                    turn = (cx * n[0] + cy * n[1] + cz * n[2]) * dt
+                stiffness = tangential_stiffness(tangential, a)
+                old = (slip[0, row + q], slip[1, row + q], slip[2, row + q])
+                s, work = dragged(stiffness, tangential.friction * buf[NORMAL, q], kept, turn, n, way, old)
+                slip[0, row + q], slip[1, row + q], slip[2, row + q], slip[3, row + q] = s[0], s[1], s[2], a
+                sheared += work
+                if rolling is not None:
+                    arm = reach * 0.25 if image is not None else reach
+                    if radius is not None:
+                        arm = buf[RADIUS_1, q]
+                        if image is not None:
+                            arm = arm * buf[RADIUS_2, q] / (arm + buf[RADIUS_2, q])
+                    old = (roll[0, row + q], roll[1, row + q], roll[2, row + q])
+                    angle = (buf[W, q] * dt, buf[W + 1, q] * dt, buf[W + 2, q] * dt)
+                    most = rolling.friction * arm * buf[NORMAL, q]
+                    moment, work = dragged(stiffness * arm * arm, most, kept, turn, n, angle, old)
+                    roll[0, row + q], roll[1, row + q], roll[2, row + q] = moment
+                    buf[M, q], buf[M + 1, q], buf[M + 2, q] = moment
+                    sheared += work
+                lever = 0.5  # of the first radius over the sum of both; with radii, over that sum
+                if image is None:
+                    lever = 1.0
+                if radius is not None:
+                    lever = 1.0 / buf[RADIUS_1, q]
+                    if image is not None:
+                        lever = 1.0 / (buf[RADIUS_1, q] + buf[RADIUS_2, q])
+                buf[T, q] = lever * (buf[D + 1, q] * s[2] - buf[D + 2, q] * s[1])
+                buf[T + 1, q] = lever * (buf[D + 2, q] * s[0] - buf[D, q] * s[2])
+                buf[T + 2, q] = lever * (buf[D, q] * s[1] - buf[D + 1, q] * s[0])
+                buf[G, q], buf[G + 1, q], buf[G + 2, q] = buf[G, q] - s[0], buf[G + 1, q] - s[1], buf[G + 2, q] - s[2]
+        for q in range(size):
+            dx, dy, dz, gx, gy, gz = buf[D, q], buf[D + 1, q], buf[D + 2, q], buf[G, q], buf[G + 1, q], buf[G + 2, q]
+            xx, xy, xz = xx + dx * gx, xy + dx * gy, xz + dx * gz
+            yx, yy, yz = yx + dy * gx, yy + dy * gy, yz + dy * gz
+            zx, zy, zz = zx + dz * gx, zy + dz * gy, zz + dz * gz
+        if len(network) > 0:
+            for q in range(size):
+                for a in range(3):
+                    network[row + q, a] = buf[G + a, q]
+        for q in range(size):
+            largest = max(largest, buf[OVERLAP, q])
+            if buf[OVERLAP, q] <= 0.0:
+                continue
+            i, j = first[row + q], partner[row + q]
+            for a in range(3):
+                force[i, a] -= buf[G + a, q]
+                if image is not None:
+                    force[j, a] += buf[G + a, q]
+                else:
+                    reaction[j, a] += buf[G + a, q]
+            if tangential is not None:
+                for a in range(3):
+                    t = buf[T + a, q]
+                    moment = buf[M + a, q] if rolling is not None else 0.0
+                    torque[i, a] += (t if radius is None else t * radius[i]) + moment
+                    if image is not None:
+                        torque[j, a] += (t if radius is None else t * radius[j]) - moment
+        row += size
+    virial[0, 0], virial[0, 1], virial[0, 2] = virial[0, 0] + xx, virial[0, 1] + xy, virial[0, 2] + xz
+    virial[1, 0], virial[1, 1], virial[1, 2] = virial[1, 0] + yx, virial[1, 1] + yy, virial[1, 2] + yz
+    virial[2, 0], virial[2, 1], virial[2, 2] = virial[2, 0] + zx, virial[2, 1] + zy, virial[2, 2] + zz
+    tally[LOST] += lost
+    tally[SHEARED] += sheared
+    tally[DAMPED] += damped
+    tally[LARGEST] = max(tally[LARGEST], share * largest)
 
 
 @kernel
-def audit(law, position, radius, one_radius, lengths, start, partner, image, images, memory, magnitude, limit, contacts, pressure):  # type: ignore[no-untyped-def]
-    """Stored and dissipated energy in J of all contacts, and how many have an overlap of one body over its radius beyond `limit`.
+def forces(roles, rows, past, bodies, frame, dt, part, parts, force, torque, virial, reaction, network, tally):  # type: ignore[no-untyped-def]
+    """`pair_forces` for the share `part` of `parts` of one kind's pairs, with its records taken apart: only arguments are compiled away."""
+    count = len(rows.first)
+    begin, end = count * part // parts, count * (part + 1) // parts
+    pair_forces(
+        roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, rows.first, rows.partner, rows.image,
+        past.memory, past.slip, past.roll, past.damping, bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius,
+        bodies.mass, bodies.one_mass, frame.shift, frame.speed, frame.gradient, frame.walls, dt, begin, end,
+        force, torque, virial, reaction, network, tally,
+    )  # fmt: skip
 
-    Filled in place, per particle: `contacts`, those that carry force; `pressure`, the trace of the contact virial in J (shared by halves).
-    """
-    stored, dissipated, beyond = 0.0, 0.0, 0
-    contacts[:] = 0
-    pressure[:] = 0.0
-    for i in range(len(position)):
-        for row in range(start[i], start[i + 1]):
-            j = partner[row]
-            square = 0.0
-            for axis in range(3):
-                d = position[j, axis] + images[image[row], axis] * lengths[axis] - position[i, axis]
-                square += d * d
-            reach = 2.0 * one_radius if radius is None else radius[i] + radius[j]
-            if square >= reach * reach:
-                continue
-            scale = pair.pair_scale(law, one_radius, one_radius) if radius is None else pair.pair_scale(law, radius[i], radius[j])
-            distance = math.sqrt(square)
-            state = dispatch.initial_state(law) if memory is None else dispatch.load_state(law, memory, row)
-            kept, used = pair.pair_energy(law, scale, reach - distance, state)
-            stored += kept
-            dissipated += used
-            if 0.5 * (reach - distance) / scale > limit * law.radius:
-                beyond += 1
-            if magnitude[row] != 0.0:
-                contacts[i] += 1
-                contacts[j] += 1
-                pressure[i] += 0.5 * magnitude[row] * distance
-                pressure[j] += 0.5 * magnitude[row] * distance
-    return stored, dissipated, beyond
+
+@kernel
+def contact_energies(law, tangential, rolling, share, memory, slip, roll, overlap, radius_1, radius_2, walls):  # type: ignore[no-untyped-def]
+    """Stored and dissipated energy in J of pairs by their law, and what tangential forces and rolling moments store; `walls`: flats."""
+    stored, dissipated, sheared = 0.0, 0.0, 0.0
+    for row in range(len(overlap)):
+        if overlap[row] <= 0.0:
+            continue
+        scale = pair.wall_scale(law, radius_1[row]) if walls else pair.pair_scale(law, radius_1[row], radius_2[row], share)
+        state = dispatch.initial_state(law) if memory is None else dispatch.load_state(law, memory, row)
+        kept, used = pair.pair_energy(law, scale, overlap[row], state, share)
+        stored, dissipated = stored + kept, dissipated + used
+        if tangential is not None:
+            stiffness = tangential_stiffness(tangential, max(slip[3, row], NEAREST))
+            sheared += 0.5 * (slip[0, row] ** 2 + slip[1, row] ** 2 + slip[2, row] ** 2) / stiffness
+            if rolling is not None:
+                arm = radius_1[row] if walls else radius_1[row] * radius_2[row] / (radius_1[row] + radius_2[row])
+                sheared += 0.5 * (roll[0, row] ** 2 + roll[1, row] ** 2 + roll[2, row] ** 2) / (stiffness * arm * arm)
+    return stored, dissipated, sheared

@@ -12,11 +12,12 @@ import numpy.typing as npt
 from contactlaws import dispatch
 from contactlaws.errors import InputError, Problem, require
 from dem.box import Box
-from dem.forces import LARGEST_OVERLAP
+from dem.forces import LARGEST
 from dem.motion import Deformation
 from dem.particles import Particles, spheres
+from dem.scene import Contact, Scene, hold
 from dem.timestep import collision_overlap, time_step
-from dem.working import Working, follow, working
+from dem.working import Working, arrays_of, follow, with_arrays, working
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -74,36 +75,35 @@ def _approaching(radius: float, density: float, speed: float) -> Particles:
 def _collide(law: object, radius: float, density: float, speed: float, overlap: float) -> tuple[float, float, float]:
     bodies = _approaching(radius, density, speed)
     dt = time_step(law, bodies, overlap, FRACTION, contacts=1).dt
-    edges = np.full(3, 20.0 * radius)
-    still = Deformation(edges, edges, 1, dt)
-    work = working(law, bodies, Box((edges[0], edges[1], edges[2]), (False, False, False)), radius)
+    box = Box((20.0 * radius,) * 3, (False, False, False))
+    still = Deformation(box.cell, box.cell, 1, dt)
+    work = working(Scene(bodies, box, Contact(law), (hold(1.0),), skin=0.5))
     steps = 0
     while True:
         kept = copied(work)
-        work, _ = follow(law, work, still, 0, STRIDE)
-        if work.magnitude[0] == 0.0 and closing_speed(work) < 0.0:
+        work, _ = follow(work, still, 0, STRIDE)
+        if not work.force.any() and closing_speed(work) < 0.0:
             break
         steps += STRIDE
         if steps >= LONGEST:
             raise InputError(Problem("speed", speed, f"the spheres are still in contact after {steps} steps", "check the law's parameters"))
     work = kept
     while True:  # the last stride again, step by step: when does the force end?
-        before = work.position[1, 0] - work.position[0, 0] - 2.0 * radius
-        work, _ = follow(law, work, still, 0, 1)
+        before = work.bodies.position[1, 0] - work.bodies.position[0, 0] - 2.0 * radius
+        work, _ = follow(work, still, 0, 1)
         steps += 1
-        if work.magnitude[0] == 0.0:
+        if not work.force.any():
             break
-    gap = work.position[1, 0] - work.position[0, 0] - 2.0 * radius
+    gap = work.bodies.position[1, 0] - work.bodies.position[0, 0] - 2.0 * radius
     beyond = gap / (gap - before) if gap >= 0.0 else 0.5  # of the last step; without a gap nobody knows
-    return -closing_speed(work) / speed, (steps - beyond) * dt, float(work.tally[LARGEST_OVERLAP]) * 2.0 * radius
+    return -closing_speed(work) / speed, (steps - beyond) * dt, float(work.tally[0, LARGEST]) * 2.0 * radius
 
 
 def closing_speed(work: Working) -> float:
     """Relative speed of approach in m/s of the first two particles along x."""
-    return float(work.velocity[0, 0] - work.velocity[1, 0])
+    return float(work.bodies.velocity[0, 0] - work.bodies.velocity[1, 0])
 
 
 def copied(work: Working) -> Working:
     """A state of its own arrays."""
-    names = ("position", "velocity", "force", "virial", "tally", "magnitude", *(() if work.memory is None else ("memory",)))
-    return work._replace(**{name: getattr(work, name).copy() for name in names})
+    return with_arrays(work, {name: array.copy() for name, array in arrays_of(work).items()})

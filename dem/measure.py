@@ -1,4 +1,4 @@
-"""What is read off a state: homogenised stress, coordination, packing fraction, energies and their balance."""
+"""What is read off a state: contacts, homogenised stress and fabric, coordination, energies and their balance."""
 
 from __future__ import annotations
 
@@ -8,57 +8,143 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws.compiled import kernel
-from dem.neighbours import PairList
+from dem.forces import DAMPED, DRAGGED, LOST, SHEARED, WORK, contact_energies
+from dem.working import Group, Working, forces_between
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 
 #: a frictionless sphere in three dimensions needs as many contacts to be held
 FEWEST_TO_HOLD = 4
 
 
+class Network(NamedTuple):
+    """All contacts that carry force; one row each. `second` is negative for walls: -1 the first, and so on."""
+
+    first: IntArray  # row of the state, shape (m,)
+    second: IntArray
+    branch: FloatArray  # m, from the first centre to the second or to the wall, shape (m, 3)
+    overlap: FloatArray  # m, shape (m,)
+    depth: FloatArray  # overlap of one body over its radius, shape (m,)
+    force: FloatArray  # N, on the second, shape (m, 3)
+    group: IntArray  # of `Working.groups`
+
+    @property
+    def normal(self) -> FloatArray:
+        """Unit vectors from the first to the second, shape (m, 3)."""
+        return self.branch / np.maximum(np.linalg.norm(self.branch, axis=1, keepdims=True), np.finfo(float).tiny)
+
+    @property
+    def normal_force(self) -> FloatArray:
+        """N, repulsion positive."""
+        return np.asarray((self.force * self.normal).sum(axis=1))
+
+    @property
+    def tangential_force(self) -> FloatArray:
+        """N, its magnitude."""
+        return np.asarray(np.linalg.norm(self.force - self.normal_force[:, None] * self.normal, axis=1))
+
+    @property
+    def fabric(self) -> FloatArray:
+        """Mean of n n over contacts of spheres, shape (3, 3); a third on the diagonal if all directions are alike."""
+        normal = self.normal[self.second >= 0]
+        return normal.T @ normal / max(len(normal), 1)
+
+
+def pair_geometry(work: Working, group: Group) -> tuple[FloatArray, FloatArray]:
+    """Branch vectors and overlaps in m of all listed pairs of a group."""
+    first, partner, position, radii = group.rows.first, group.rows.partner, work.bodies.position, work.radii
+    if group.rows.image is None:
+        axis, place = work.walls[partner, 0].astype(int), work.walls[partner, 2]
+        branch = np.zeros((len(first), 3))
+        branch[np.arange(len(first)), axis] = place - position[first, axis]
+        return branch, radii[first] - np.abs(branch).max(axis=1, initial=0.0)
+    branch = position[partner] + (work.listed.images @ work.cell)[group.rows.image] - position[first]
+    return branch, radii[first] + radii[partner] - np.linalg.norm(branch, axis=1)
+
+
+def network(work: Working) -> Network:
+    """The contacts of a state, which stays as it is."""
+    parts = []
+    for number, (group, force) in enumerate(zip(work.groups, forces_between(work), strict=True)):
+        branch, overlap = pair_geometry(work, group)
+        rows = np.flatnonzero((overlap > 0.0) & force.any(axis=1))
+        first, partner, radii = group.rows.first[rows].astype(np.int64), group.rows.partner[rows].astype(np.int64), work.radii
+        if group.rows.image is None:
+            radius, second = radii[first], -1 - partner
+        else:
+            radius, second = radii[first] * radii[partner] / (radii[first] + radii[partner]) / group.roles.share, partner
+        depth = overlap[rows] * group.roles.share / radius
+        parts.append((first, second, branch[rows], overlap[rows], depth, force[rows], np.full(len(rows), number)))
+    return Network(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
 class Energies(NamedTuple):
     """In J, one value per output."""
 
-    kinetic: FloatArray  # of the motion relative to the box
-    stored: FloatArray  # in contacts, recoverable
-    dissipated: FloatArray  # in contacts, living and ended
+    kinetic: FloatArray  # of the motion relative to the box, spins included
+    stored: FloatArray  # in contacts by their normal laws, recoverable
+    sheared: FloatArray  # in tangential springs and rolling
+    dissipated: FloatArray  # in contacts by their normal laws, living and ended
+    rubbed: FloatArray  # by friction and rolling
+    dashed: FloatArray  # by dampers
     damped: FloatArray  # by the drag
     boundary_work: FloatArray  # put in by the moving box since the start
 
     @property
     def balance(self) -> FloatArray:
-        """What is missing: change of the energy held, dissipated and damped less the work, over the most that it ever came to."""
-        held = self.kinetic + self.stored + self.dissipated + self.damped
+        """What is missing: change of the energy held and lost less the work, over the most that it ever came to."""
+        held = sum(self[:-1])
+        assert isinstance(held, np.ndarray)
         most = float(np.max(held, initial=0.0))
         return (held - held[:1] - self.boundary_work) / (most or 1.0)
 
 
-def stress_tensor(virial: FloatArray, velocity: FloatArray, mass: FloatArray, volume: float) -> FloatArray:
+def energies(work: Working) -> tuple[float, ...]:
+    """The terms of `Energies`, in J, of one state."""
+    stored, dissipated, sheared = 0.0, 0.0, 0.0
+    radii = work.radii
+    for group in work.groups:
+        _, overlap = pair_geometry(work, group)
+        first, walls = radii[group.rows.first], group.rows.image is None
+        second = first if walls else radii[group.rows.partner]
+        roles, past = group.roles, group.past
+        terms = (roles.normal, roles.tangential, roles.rolling, roles.share, past.memory, past.slip, past.roll)
+        one, two, three = contact_energies(*terms, overlap, first, second, walls)
+        stored, dissipated, sheared = stored + one, dissipated + two, sheared + three
+    tally = work.tally.sum(axis=0)
+    rubbed = tally[SHEARED] - sheared
+    return kinetic_energy(work), stored, sheared, dissipated + tally[LOST], rubbed, tally[DAMPED], tally[DRAGGED], tally[WORK]
+
+
+def stress_tensor(work: Working, with_motion: bool = True) -> FloatArray:
     """Homogenised stress in Pa, shape (3, 3), compression positive: (sum of r F over contacts + sum of m v v over particles)/volume."""
-    xx, yy, zz, yz, xz, xy = virial
-    contact = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return (contact + np.einsum("i,ia,ib->ab", mass, velocity, velocity)) / volume
+    velocity = work.bodies.velocity
+    motion = np.einsum("i,ia,ib->ab", work.masses, velocity, velocity) if with_motion else 0.0
+    return np.asarray((work.virial.sum(axis=0) + motion) / work.box.volume)
 
 
-def kinetic_energy(velocity: FloatArray, mass: FloatArray) -> float:
-    """In J."""
-    return float(0.5 * np.sum(mass[:, None] * velocity * velocity))
+def kinetic_energy(work: Working) -> float:
+    """In J, relative to the box, spins included."""
+    energy = 0.5 * np.sum(work.masses[:, None] * work.bodies.velocity**2)
+    if work.bodies.spin is not None:
+        energy += 0.2 * np.sum((work.masses * work.radii**2)[:, None] * work.bodies.spin**2)
+    return float(energy)
 
 
 @kernel
-def _holding(start, partner, magnitude, needed):  # type: ignore[no-untyped-def]
+def _holding(count, first, second, needed):  # type: ignore[no-untyped-def]
     """Contacts of each particle after those with fewer than `needed` have been taken out, again and again."""
-    count = len(start) - 1
     alive = np.ones(count, np.bool_)
     contacts = np.zeros(count, np.int64)
     changed = True
     while changed:
         contacts[:] = 0
-        for i in range(count):
-            for row in range(start[i], start[i + 1]):
-                j = partner[row]
-                if magnitude[row] != 0.0 and alive[i] and alive[j]:
-                    contacts[i] += 1
+        for row in range(len(first)):
+            i, j = first[row], second[row]
+            if alive[i] and (j < 0 or alive[j]):
+                contacts[i] += 1
+                if j >= 0:
                     contacts[j] += 1
         changed = False
         for i in range(count):
@@ -68,11 +154,15 @@ def _holding(start, partner, magnitude, needed):  # type: ignore[no-untyped-def]
     return contacts, alive
 
 
-def coordination(pairs: PairList, magnitude: FloatArray) -> tuple[float, float, int]:
-    """Mean number of force-carrying contacts of all particles; of those that are held; and the number of rattlers, which are not."""
-    count = len(pairs.start) - 1
+def contacts_per_sphere(found: Network, count: int) -> IntArray:
+    """How many contacts that carry force each sphere has, walls included."""
+    return np.bincount(found.first, minlength=count) + np.bincount(found.second[found.second >= 0], minlength=count)
+
+
+def coordination(found: Network, count: int, needed: int = FEWEST_TO_HOLD) -> tuple[float, float, int]:
+    """Mean number of force-carrying contacts of all spheres; of those that are held; and the number of rattlers, which are not."""
     if count == 0:
         return 0.0, 0.0, 0
-    contacts, alive = _holding(pairs.start, pairs.partner, magnitude, FEWEST_TO_HOLD)
+    contacts, alive = _holding(count, found.first, found.second, needed)
     held = int(alive.sum())
-    return 2.0 * np.count_nonzero(magnitude) / count, float(contacts[alive].mean()) if held else 0.0, count - held
+    return float(contacts_per_sphere(found, count).mean()), float(contacts[alive].mean()) if held else 0.0, count - held

@@ -1,13 +1,16 @@
-"""Leap-frog in a box that deforms: kick half, drift, kick half.
+"""Leap-frog in a box that deforms: kick half, drift, kick half; and the loop over steps.
 
-With the position x = L s in a box of edges L(t), the peculiar velocity v = L ds/dt obeys m dv/dt = F - m (L'/L) v (the SLLOD equations;
-for L linear in time they are Newton's equations in the laboratory). So L v is constant in the drift, whose displacement is taken with L at
-half the step: the scheme is symplectic and of second order, and keeps the total momentum to round-off. The motion of the box is affine:
-every particle is carried along with it at once, and no wave starts from a moving face. The energy that the boundary gives is the change of
-kinetic energy in the drift and the trapezium of -(virial/L) dL.
+The velocity v is relative to the box, whose own is x L, L the velocity gradient. A sphere that no force acts on goes straight in the
+laboratory, so with a box that goes from H to H' = H F linearly in a step of dt it is at x' = x F + v dt, with v' = v F^-1: the SLLOD
+equations solved exactly, as rows. Kick and drift are both symplectic, the scheme is of second order, and keeps the total momentum to
+round-off. The motion of the box is affine: every particle is carried along with it at once, and no wave starts from a moving face. The
+energy that the boundary gives is the change of kinetic energy in the drift and the trapezium of -virial : L dt.
 
-With a drag, velocities relative to the box fade at a constant rate, before the first and after the second kick. Frictionless elastic
+With a drag, velocities relative to the box and spins fade at a constant rate, between the two halves of a kick. Frictionless elastic
 spheres would turn every rearrangement into heat that never leaves, and the slower the loading, the hotter they would end.
+
+Each thread computes its share of the pairs into forces of its own; they are added in the order of the threads. So the same scene on the
+same number of threads gives the same bits.
 """
 
 from __future__ import annotations
@@ -15,131 +18,329 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numba
 import numpy as np
+import numpy.typing as npt
+from numba import literal_unroll
 
 from contactlaws.compiled import kernel
-from dem.forces import BOUNDARY_WORK, DAMPED_ENERGY, pair_forces
+from dem.forces import DRAGGED, WORK, Frame, forces
+
+FloatArray = npt.NDArray[np.float64]
 
 
 class Deformation(NamedTuple):
-    """One stage: edges that go from `start` to `end` linearly in `steps` time steps."""
+    """One stage: edge vectors, rows of a matrix in m, that go from `start` to `end` linearly in `steps` time steps, but for the servo."""
 
-    start: np.ndarray  # m, shape (3,)
-    end: np.ndarray  # m, shape (3,)
+    start: FloatArray  # shape (3, 3)
+    end: FloatArray  # shape (3, 3)
     steps: int
     dt: float  # s
     drag: float = 0.0  # 1/s; at which velocities relative to the box fade
+    affine: bool = True  # whether the box carries the particles along; if not, only images and walls move
+    target: FloatArray = np.zeros(3)  # Pa, per axis; stress that the edge is moved to hold
+    gain: FloatArray = np.zeros(3)  # 1/(Pa s), per axis; 0: the edge goes as start and end say
+    fastest: float = 0.0  # 1/s; strain rate that the servo does not exceed
+
+
+class Listed(NamedTuple):
+    """What the pair list was made for."""
+
+    position: FloatArray  # m, shape (n, 3)
+    cell: FloatArray  # m, the edge vectors then
+    images: FloatArray  # which image each row of the shifts is, in edges; shape (k, 3)
+    skin: float  # m
+    reach: float  # m; the largest distance of centres in contact
+
+
+# What follows works on small matrices in plain loops: numpy's functions would double the time that compiling takes.
 
 
 @kernel
-def lengths_at(deformation, step):  # type: ignore[no-untyped-def]
-    """Edges in m after `step` steps of the stage."""
-    if step == deformation.steps:
-        return deformation.end.copy()
-    return deformation.start + (deformation.end - deformation.start) * (step / deformation.steps)
+def place_cell(deformation, step, cell):  # type: ignore[no-untyped-def]
+    """Put the edge vectors after `step` steps of the stage into `cell`, but for the edges under stress control."""
+    start, end = deformation.start, deformation.end
+    share = step / deformation.steps
+    for i in range(3):
+        for j in range(3):
+            if not (i == j and deformation.gain[i] > 0.0):
+                cell[i, j] = end[i, j] if step == deformation.steps else start[i, j] + (end[i, j] - start[i, j]) * share
 
 
 @kernel
-def kick(velocity, force, mass, dt):  # type: ignore[no-untyped-def]
-    """Change the velocities by force/mass over `dt`."""
-    for i in range(len(velocity)):
-        factor = dt / mass[i]
-        for axis in range(3):
-            velocity[i, axis] += factor * force[i, axis]
+def total(parts):  # type: ignore[no-untyped-def]
+    """Sum of the matrices of all threads."""
+    whole = np.zeros(parts.shape[1:])
+    for t in range(parts.shape[0]):
+        for i in range(parts.shape[1]):
+            for j in range(parts.shape[2]):
+                whole[i, j] += parts[t, i, j]
+    return whole
 
 
 @kernel
-def drift(position, velocity, mass, before, after, dt):  # type: ignore[no-untyped-def]
-    """Move particles along with a box whose edges go from `before` to `after`; return the kinetic energy in J that its motion gave."""
-    middle = 0.5 * (before + after)
-    stretch, slowing = after / before, before / after
-    way = dt * before * after / (middle * middle)
-    work = 0.0
-    for i in range(len(position)):
-        for axis in range(3):
-            v = velocity[i, axis]
-            position[i, axis] = position[i, axis] * stretch[axis] + way[axis] * v
-            velocity[i, axis] = v * slowing[axis]
-            work += 0.5 * mass[i] * v * v * (slowing[axis] * slowing[axis] - 1.0)
+def places(images, cell):  # type: ignore[no-untyped-def]
+    """Where images are in m: the product of two matrices."""
+    shift = np.empty_like(images)
+    for k in range(len(images)):
+        for a in range(3):
+            shift[k, a] = images[k, 0] * cell[0, a] + images[k, 1] * cell[1, a] + images[k, 2] * cell[2, a]
+    return shift
+
+
+@kernel
+def largest_entry(a, b):  # type: ignore[no-untyped-def]
+    """Of the difference of two matrices, without its sign."""
+    most = 0.0
+    for i in range(3):
+        for j in range(3):
+            most = max(most, abs(a[i, j] - b[i, j]))
+    return most
+
+
+@kernel
+def product(a, b):  # type: ignore[no-untyped-def]
+    """Of two matrices of shape (3, 3)."""
+    c = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(3):
+            c[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+    return c
+
+
+@kernel
+def inverse(a):  # type: ignore[no-untyped-def]
+    """Of a lower triangular matrix of shape (3, 3)."""
+    b = np.zeros((3, 3))
+    for i in range(3):
+        b[i, i] = 1.0 / a[i, i]
+    b[1, 0] = -a[1, 0] * b[0, 0] * b[1, 1]
+    b[2, 1] = -a[2, 1] * b[1, 1] * b[2, 2]
+    b[2, 0] = -(a[2, 0] * b[0, 0] + a[2, 1] * b[1, 0]) * b[2, 2]
+    return b
+
+
+@kernel
+def servo(deformation, cell, virial):  # type: ignore[no-untyped-def]
+    """Move the edges under stress control in `cell` for one step, by how far the stress is from its target."""
+    volume = cell[0, 0] * cell[1, 1] * cell[2, 2]
+    for axis in range(3):
+        if deformation.gain[axis] > 0.0:
+            rate = deformation.gain[axis] * (virial[axis, axis] / volume - deformation.target[axis])
+            rate = min(max(rate, -deformation.fastest), deformation.fastest)
+            cell[axis, axis] *= 1.0 + rate * deformation.dt
+
+
+@kernel
+def move(  # type: ignore[no-untyped-def]
+    position, velocity, spin, radius, one_radius, mass, one_mass, force, torque, before, fade, after, dt, carried, stretch, back, begin, end
+):
+    """Kick the spheres `begin` to `end` for `before` (s), let their speed fade by a factor, kick for `after`, drift for `dt`.
+
+    `force` holds one sum per thread; `stretch` is F and `back` its inverse, for a box that carries them along. Returns the kinetic
+    energy in J that the drag took and that the box gave, and the largest speed squared after the kicks.
+    """
+    taken, given, fastest = 0.0, 0.0, 0.0
+    m = one_mass
+    for i in range(begin, end):
+        if mass is not None:
+            m = mass[i]
+        fx, fy, fz = force[0, i, 0], force[0, i, 1], force[0, i, 2]
+        for t in range(1, len(force)):
+            fx, fy, fz = fx + force[t, i, 0], fy + force[t, i, 1], fz + force[t, i, 2]
+        x, y, z = before / m * fx, before / m * fy, before / m * fz
+        vx, vy, vz = velocity[i, 0] + x, velocity[i, 1] + y, velocity[i, 2] + z
+        taken += 0.5 * m * (vx * vx + vy * vy + vz * vz) * (1.0 - fade * fade)
+        vx, vy, vz = vx * fade + after / m * fx, vy * fade + after / m * fy, vz * fade + after / m * fz
+        square = vx * vx + vy * vy + vz * vz
+        fastest = max(fastest, square)
+        if spin is not None:
+            r = one_radius if radius is None else radius[i]
+            inertia = 0.4 * m * r * r
+            for a in range(3):
+                t3 = torque[0, i, a]
+                for t in range(1, len(torque)):
+                    t3 += torque[t, i, a]
+                w = spin[i, a] + before / inertia * t3
+                taken += 0.5 * inertia * w * w * (1.0 - fade * fade)
+                spin[i, a] = w * fade + after / inertia * t3
+        if dt > 0.0:
+            px, py, pz = position[i, 0], position[i, 1], position[i, 2]
+            if not carried:
+                px, py, pz = px + dt * vx, py + dt * vy, pz + dt * vz
+            else:
+                qx = px * stretch[0, 0] + py * stretch[1, 0] + pz * stretch[2, 0] + dt * vx
+                qy = py * stretch[1, 1] + pz * stretch[2, 1] + dt * vy
+                px, py, pz = qx, qy, pz * stretch[2, 2] + dt * vz
+                ux = vx * back[0, 0] + vy * back[1, 0] + vz * back[2, 0]
+                uy = vy * back[1, 1] + vz * back[2, 1]
+                vx, vy, vz = ux, uy, vz * back[2, 2]
+                given += 0.5 * m * (vx * vx + vy * vy + vz * vz - square)
+            position[i, 0], position[i, 1], position[i, 2] = px, py, pz
+        velocity[i, 0], velocity[i, 1], velocity[i, 2] = vx, vy, vz
+    return taken, given, fastest
+
+
+@kernel
+def move_all(bodies, force, torque, before, fade, after, dt, carried, stretch, back, begin, end):  # type: ignore[no-untyped-def]
+    """`move` with its record taken apart: only arguments are compiled away."""
+    return move(
+        bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
+        force, torque, before, fade, after, dt, carried, stretch, back, begin, end,
+    )  # fmt: skip
+
+
+@kernel
+def done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt):  # type: ignore[no-untyped-def]
+    """Half the work in J that the boundary does on contacts in a step: with the forces of its start, or of its end."""
+    if still:
+        return 0.0
+    if not carried and len(walls):  # then nothing but walls moves
+        work = 0.0
+        for w in range(len(walls)):
+            work -= 0.5 * total(reaction)[w, int(walls[w, 0])] * walls[w, 3] * dt
+        return work
+    tension = total(virial)
+    if not carried:  # images move: what is left of the sum of d F is that of shift F
+        for t in range(len(force)):
+            for i in range(len(bodies.position)):
+                for a in range(3):
+                    for b in range(3):
+                        tension[a, b] -= bodies.position[i, a] * force[t, i, b]
+    strain, work = product(inverse(cell), change), 0.0
+    for i in range(3):
+        for j in range(3):
+            work -= 0.5 * tension[i, j] * strain[i, j]
     return work
 
 
 @kernel
-def slow_down(velocity, mass, factor):  # type: ignore[no-untyped-def]
-    """Multiply the velocities by `factor`; return the kinetic energy in J that this takes away."""
-    taken = 0.0
-    for i in range(len(velocity)):
-        for axis in range(3):
-            taken += 0.5 * mass[i] * velocity[i, axis] * velocity[i, axis] * (1.0 - factor * factor)
-            velocity[i, axis] *= factor
-    return taken
+def place_walls(walls, old, cell, moving, carried, dt):  # type: ignore[no-untyped-def]
+    """Move the walls to the faces of `cell`; one that no affine motion carries has a velocity of its own."""
+    for w in range(len(walls)):
+        axis = int(walls[w, 0])
+        change = cell[axis, axis] - old[axis, axis]
+        share = -moving if walls[w, 1] > 0.0 else 1.0 - moving
+        if carried:
+            share = 0.0 if walls[w, 1] > 0.0 else 1.0
+        walls[w, 2] += share * change
+        walls[w, 3] = 0.0 if carried else share * change / dt
 
 
 @kernel
-def outrun(position, origin, lengths, old_lengths, skin, widest):  # type: ignore[no-untyped-def]
-    """Whether a pair outside the list may touch by now: two particles have used up the skin, less what the box brought them closer."""
-    stretch = lengths / old_lengths
-    slack = skin - 2.0 * widest * (1.0 / min(stretch[0], stretch[1], stretch[2], 1.0) - 1.0)
-    if slack <= 0.0:
-        return True
-    limit = 0.25 * slack * slack
+def farthest(position, listed, cell):  # type: ignore[no-untyped-def]
+    """How far in m any sphere has gone since the list was made, beyond what the box carried it."""
+    carried = product(inverse(listed.cell), cell)
+    largest = 0.0
     for i in range(len(position)):
-        square = 0.0
-        for axis in range(3):
-            d = position[i, axis] / stretch[axis] - origin[i, axis]
-            square += d * d
-        if square > limit:
-            return True
-    return False
+        x, y, z = listed.position[i, 0], listed.position[i, 1], listed.position[i, 2]
+        dx = position[i, 0] - (x * carried[0, 0] + y * carried[1, 0] + z * carried[2, 0])
+        dy = position[i, 1] - (y * carried[1, 1] + z * carried[2, 1])
+        dz = position[i, 2] - z * carried[2, 2]
+        largest = max(largest, dx * dx + dy * dy + dz * dz)
+    return math.sqrt(largest)
 
 
 @kernel
-def advance(  # type: ignore[no-untyped-def]
-    law,
-    deformation,
-    step,
-    steps,
-    drifted,
-    position,
-    velocity,
-    mass,
-    radius,
-    one_radius,
-    widest,
-    pairs,
-    memory,
-    magnitude,
-    force,
-    virial,
-    tally,
+def slack(listed, cell, affine):  # type: ignore[no-untyped-def]
+    """How far in m two spheres may come closer before a pair outside the list can touch: the skin, less what the box used of it."""
+    if not affine:  # images and walls come closer by themselves
+        most = 1.0
+        for k in range(len(listed.images)):
+            for a in range(3):
+                most = max(most, abs(listed.images[k, a]))
+        return listed.skin - most * 3.0 * largest_entry(cell, listed.cell)
+    carried = product(inverse(listed.cell), cell)
+    square = 0.0
+    for i in range(3):
+        for j in range(3):
+            square += (carried[i, j] - (1.0 if i == j else 0.0)) ** 2
+    return listed.skin - math.sqrt(square) * (listed.reach + listed.skin)
+
+
+@kernel
+def part_forces(groups, bodies, frame, dt, part, parts, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
+    """One thread's share of the forces: of each kind of pair the same share of its rows."""
+    for array in (force, torque, virial, reaction):
+        for i in range(array.shape[0]):
+            array[i, 0], array[i, 1], array[i, 2] = 0.0, 0.0, 0.0
+    nothing = np.empty((0, 3))
+    for group in literal_unroll(groups):
+        forces(group.roles, group.rows, group.past, bodies, frame, dt, part, parts, force, torque, virial, reaction, nothing, tally)
+
+
+def _advance(  # type: ignore[no-untyped-def]
+    groups, deformation, step, steps, drifted, bodies, cell, old, listed, walls, moving, force, torque, virial, reaction, tally
 ):
     """Take `steps` steps from number `step` of a stage, or fewer if the pair list no longer holds.
 
-    Returns the number of the step reached and whether it stands in the middle, with positions moved and the forces still to come; then the
-    caller makes a new list and calls again with `drifted`.
+    `groups` is `(roles, rows, past)` of each kind of pair, `walls` as in `forces.Frame`; `moving` the share of a walled edge's change that
+    its lower wall makes. The sums have one row per thread. `cell` (the edge vectors, one step earlier `old`) and `walls` change with the
+    state. Returns the step reached, and whether it stands in the middle, with positions moved and the forces still to come; then the caller
+    makes a new list and calls again with `drifted`.
     """
-    dt, fading = deformation.dt, math.exp(-0.5 * deformation.drag * deformation.dt)
+    dt, fade, parts = deformation.dt, math.exp(-deformation.drag * deformation.dt), len(force)
+    count, travel, begun = len(bodies.position), 0.0, drifted
+    sums, change, gradient = np.zeros((parts, 3)), np.zeros((3, 3)), np.zeros((3, 3))
+    speed, middle = np.zeros_like(listed.images), np.zeros((3, 3))
+    controlled = deformation.gain[0] + deformation.gain[1] + deformation.gain[2] > 0.0
     for now in range(step, step + steps):
-        before, after = lengths_at(deformation, now), lengths_at(deformation, now + 1)
         if not drifted:
-            if deformation.drag > 0.0:
-                tally[DAMPED_ENERGY] += slow_down(velocity, mass, fading)
-            kick(velocity, force, mass, 0.5 * dt)
-            tally[BOUNDARY_WORK] += drift(position, velocity, mass, before, after, dt)
-            if outrun(position, pairs.position, after, pairs.lengths, pairs.skin, widest):
-                return now, True
+            for i in range(3):
+                for j in range(3):
+                    old[i, j] = cell[i, j]
+            if controlled:
+                servo(deformation, cell, total(virial))
+            place_cell(deformation, now + 1, cell)
+        still = largest_entry(cell, old) == 0.0
+        carried = deformation.affine and not still
+        for i in range(3):
+            for j in range(3):
+                change[i, j], middle[i, j] = cell[i, j] - old[i, j], 0.5 * (cell[i, j] + old[i, j])
+        if not drifted:
+            stretch = product(inverse(old), cell)
+            back = inverse(stretch)
+            half, faded = (0.5 * dt, fade) if begun else (0.0, math.sqrt(fade))
+            begun = True
+            for part in numba.prange(parts):
+                begin, end = count * part // parts, count * (part + 1) // parts
+                result = move_all(bodies, force, torque, half, faded, 0.5 * dt, dt, carried, stretch, back, begin, end)
+                sums[part, 0], sums[part, 1], sums[part, 2] = result
+            place_walls(walls, old, cell, moving, carried, dt)
+            fastest = 0.0
+            for part in range(parts):
+                tally[0, DRAGGED] += sums[part, 0]
+                tally[0, WORK] += sums[part, 1]
+                fastest = max(fastest, sums[part, 2])
+            tally[0, WORK] += done(bodies, force, virial, reaction, old, change, still, walls, carried, dt)
+            travel += dt * math.sqrt(fastest)
+            room = 0.5 * slack(listed, cell, deformation.affine)
+            if travel > room:
+                travel = farthest(bodies.position, listed, cell if deformation.affine else listed.cell)
+                if travel > room:
+                    return now, True
         drifted = False
-        change = after - before
-        for axis in range(3):
-            tally[BOUNDARY_WORK] -= 0.5 * virial[axis] / before[axis] * change[axis]
-        strain_rate = change / (dt * 0.5 * (before + after))
-        pair_forces(
-            law, position, velocity, radius, one_radius, after, strain_rate, dt,
-            pairs.start, pairs.partner, pairs.image, pairs.images, memory, magnitude, force, virial, tally,
-        )  # fmt: skip
-        for axis in range(3):
-            tally[BOUNDARY_WORK] -= 0.5 * virial[axis] / after[axis] * change[axis]
-        kick(velocity, force, mass, 0.5 * dt)
-        if deformation.drag > 0.0:
-            tally[DAMPED_ENERGY] += slow_down(velocity, mass, fading)
+        if carried:
+            gradient = product(inverse(middle), change)
+        for i in range(3):
+            for j in range(3):
+                gradient[i, j] = gradient[i, j] / dt if carried else 0.0
+        if not deformation.affine:
+            speed = places(listed.images, change)
+            for k in range(len(speed)):
+                for a in range(3):
+                    speed[k, a] /= dt
+        frame = Frame(places(listed.images, cell), speed, gradient, walls)
+        for part in numba.prange(parts):
+            part_forces(groups, bodies, frame, dt, part, parts, force[part], torque[part], virial[part], reaction[part], tally[part])
+        tally[0, WORK] += done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt)
+    for part in numba.prange(parts):
+        begin, end = count * part // parts, count * (part + 1) // parts
+        result = move_all(bodies, force, torque, 0.5 * dt, math.sqrt(fade), 0.0, 0.0, dt < 0.0, cell, cell, begin, end)
+        sums[part, 0], sums[part, 1], sums[part, 2] = result
+    for part in range(parts):
+        tally[0, DRAGGED] += sums[part, 0]
     return step + steps, False
+
+
+advance, advance_on_threads = kernel(_advance), kernel(_advance, parallel=True)

@@ -2,7 +2,7 @@
 
 Positions are never wrapped while a run goes on, so the image in which a pair meets stays the same, and (i, j, image) names a contact for as
 long as it lives. Images are written out: a box narrower than a few cells, in which a particle meets several images of another, or its own,
-needs no special case.
+needs no special case. A box that has been sheared far is searched in the most upright of the cells that repeat to the same lattice.
 """
 
 from __future__ import annotations
@@ -20,51 +20,73 @@ IntArray = npt.NDArray[np.int64]
 
 
 class PairList(NamedTuple):
-    """Half list: the pairs of particle i stand in rows start[i] to start[i + 1], each pair once, i <= j."""
+    """Half list: each pair once, sorted by its first particle."""
 
-    start: IntArray  # shape (n + 1,)
-    partner: IntArray  # j, shape (m,)
+    first: IntArray  # i, shape (m,)
+    partner: IntArray  # j >= i, shape (m,)
     image: IntArray  # row of `images`, shape (m,)
-    images: IntArray  # the image of j that i meets, in box lengths; shape (k, 3)
-    position: FloatArray  # m, where the particles were when the list was made
-    lengths: FloatArray  # m, the box then
-    skin: float  # m
-
-    @property
-    def first(self) -> IntArray:
-        """The particle i of each pair, shape (m,)."""
-        return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
+    images: IntArray  # the image of j that i meets, in edges; shape (k, 3)
 
 
 def neighbours(position: FloatArray, radii: FloatArray, box: Box, skin: float) -> PairList:
     """All pairs whose surfaces are at most `skin` (m) apart, in every image."""
-    count = len(position)
-    lengths, periodic = np.array(box.lengths), np.array(box.periodic)
+    count, periodic = len(position), np.array(box.periodic)
+    upright, turns = upright_cell(box)
     reach = max(2.0 * float(radii.max(initial=0.0)) + skin, np.finfo(float).tiny)
-    low = np.where(periodic, 0.0, position.min(axis=0) if count else 0.0)
-    extent = np.where(periodic, lengths, np.maximum(position.max(axis=0) - low if count else 0.0, reach))
+    part = position @ np.linalg.inv(upright)  # in edges
+    heights = 1.0 / np.linalg.norm(np.linalg.inv(upright), axis=0)  # between opposite faces
+    low = np.where(periodic, 0.0, part.min(axis=0) if count else 0.0)
+    width = np.where(periodic, 1.0, np.maximum(part.max(axis=0) - low if count else 0.0, reach / heights))
     most = max(1, int(np.ceil(count ** (1.0 / 3.0))) * 2)  # more cells than that would be empty
-    cells = np.clip(np.floor(extent / reach), 1, most).astype(np.int64)
-    wraps = np.where(periodic, np.floor((position - low) / extent), 0.0).astype(np.int64)
-    inside = position - low - wraps * extent
-    home = np.clip((inside / extent * cells).astype(np.int64), 0, cells - 1)
+    cells = np.clip(np.floor(width * heights / reach), 1, most).astype(np.int64)
+    wraps = np.where(periodic, np.floor(part), 0.0).astype(np.int64)
+    home = np.clip(((part - low - wraps) / width * cells).astype(np.int64), 0, cells - 1)
     cell = (home[:, 0] * cells[1] + home[:, 1]) * cells[2] + home[:, 2]
     order = np.argsort(cell, kind="stable")
     occupants = np.searchsorted(cell[order], np.arange(cells.prod() + 1))
-    grid = (inside, radii, extent, periodic, skin, cells, np.ceil(reach / (extent / cells)).astype(np.int64), home, order, occupants)
+    span = np.ceil(reach / (width * heights / cells)).astype(np.int64)
+    inside = position - wraps @ upright
+    grid = (inside, radii, upright, periodic, skin, cells, span, home, order, occupants)
     start = np.zeros(count + 1, np.int64)
     _visit(*grid, start, None, None)
     start = np.cumsum(start)
     partner, found = np.empty(start[-1], np.int64), np.empty((start[-1], 3), np.int64)
     _visit(*grid, start, partner, found)
-    # from images of wrapped positions to images of the positions as they are
-    found += wraps[np.repeat(np.arange(count), np.diff(start))] - wraps[partner]
-    images, image = np.unique(found, axis=0, return_inverse=True)
-    return PairList(start, partner, image.reshape(-1).astype(np.int64), images, position.copy(), lengths, skin)
+    first = np.repeat(np.arange(count), np.diff(start))
+    # from images of wrapped positions in the upright cell to images of the positions as they are in the box's
+    found = (found + wraps[first] - wraps[partner]) @ turns
+    codes, image = np.unique(codes_of(found), return_inverse=True)
+    return PairList(first, partner, image.reshape(-1), images_of(codes))
+
+
+#: images are told apart by one number: their three counts of edges, each from -BASE/2 to BASE/2
+BASE = 1 << 20
+
+
+def codes_of(images: IntArray) -> IntArray:
+    """One number for each image, shape (m, 3)."""
+    code = images + BASE // 2
+    return (code[:, 0] * BASE + code[:, 1]) * BASE + code[:, 2]
+
+
+def images_of(codes: IntArray) -> IntArray:
+    """The images of these numbers."""
+    return np.stack([codes // (BASE * BASE), codes // BASE % BASE, codes % BASE], axis=1) - BASE // 2
+
+
+def upright_cell(box: Box) -> tuple[FloatArray, IntArray]:
+    """Edge vectors of the least tilted cell that repeats to the same lattice, and how many of the box's edges each of them is."""
+    cell, turns = box.cell, np.eye(3, dtype=np.int64)
+    for row, axis in ((1, 0), (2, 1), (2, 0)):
+        if box.periodic[axis]:
+            whole = int(np.rint(cell[row, axis] / cell[axis, axis]))
+            cell[row] -= whole * cell[axis]
+            turns[row] -= whole * turns[axis]
+    return cell, turns
 
 
 @kernel
-def _visit(inside, radii, extent, periodic, skin, cells, span, home, order, occupants, start, partner, found):  # type: ignore[no-untyped-def]
+def _visit(inside, radii, cell_vectors, periodic, skin, cells, span, home, order, occupants, start, partner, found):  # type: ignore[no-untyped-def]
     """Count the pairs of i in start[i + 1] (partner None), or write them from row start[i] on."""
     for i in range(len(inside)):
         row = start[i] if partner is not None else 0
@@ -81,13 +103,14 @@ def _visit(inside, radii, extent, periodic, skin, cells, span, home, order, occu
                     if sz != 0 and not periodic[2]:
                         continue
                     cell = ((a - sx * cells[0]) * cells[1] + b - sy * cells[1]) * cells[2] + c - sz * cells[2]
+                    x = sx * cell_vectors[0, 0] + sy * cell_vectors[1, 0] + sz * cell_vectors[2, 0] - inside[i, 0]
+                    y = sy * cell_vectors[1, 1] + sz * cell_vectors[2, 1] - inside[i, 1]
+                    z = sz * cell_vectors[2, 2] - inside[i, 2]
                     for k in range(occupants[cell], occupants[cell + 1]):
                         j = order[k]
                         if j < i or (j == i and not (sx > 0 or (sx == 0 and (sy > 0 or (sy == 0 and sz > 0))))):
                             continue
-                        dx = inside[j, 0] - inside[i, 0] + sx * extent[0]
-                        dy = inside[j, 1] - inside[i, 1] + sy * extent[1]
-                        dz = inside[j, 2] - inside[i, 2] + sz * extent[2]
+                        dx, dy, dz = inside[j, 0] + x, inside[j, 1] + y, inside[j, 2] + z
                         limit = radii[i] + radii[j] + skin
                         if dx * dx + dy * dy + dz * dz > limit * limit:
                             continue
@@ -108,24 +131,13 @@ def cell_order(position: FloatArray, radii: FloatArray) -> IntArray:
     return np.lexsort((cell[:, 2], cell[:, 1], cell[:, 0]))
 
 
-def pair_keys(pairs: PairList, reach: int) -> IntArray:
-    """One number per pair, the same in every list; `reach` bounds the images' absolute values."""
-    base = 2 * reach + 1
-    image = ((pairs.images[:, 0] + reach) * base + pairs.images[:, 1] + reach) * base + pairs.images[:, 2] + reach
-    return (pairs.first * (len(pairs.start) - 1) + pairs.partner) * base**3 + image[pairs.image]
-
-
-def carried_over(old: PairList, memory: FloatArray, new: PairList) -> tuple[FloatArray, IntArray]:
-    """The memory of the pairs of `old`, shape (m, floats), in the rows of `new`; and the rows of `old` whose memory found no place."""
-    fresh = np.zeros((len(new.partner), memory.shape[1]))
-    used = np.flatnonzero(memory.any(axis=1))
-    reach = int(max(np.abs(old.images).max(initial=0), np.abs(new.images).max(initial=0)))
-    keys = pair_keys(new, reach)
-    order = np.argsort(keys)
-    wanted = pair_keys(old, reach)[used]
-    place = np.minimum(np.searchsorted(keys[order], wanted), max(len(keys) - 1, 0))
-    if not len(keys):
-        return fresh, used
-    there = keys[order][place] == wanted
-    fresh[order[place[there]]] = memory[used[there]]
-    return fresh, used[~there]
+def rows_before(old: tuple[IntArray, IntArray, IntArray], new: tuple[IntArray, IntArray, IntArray], count: int) -> IntArray:
+    """For each of the new pairs (first, partner, code of the image) its row among the old ones, -1 for one that was not listed."""
+    if not len(old[0]) or not len(new[0]):
+        return np.full(len(new[0]), -1)
+    codes, place = np.unique(np.concatenate([old[2], new[2]]), return_inverse=True)
+    keys = (np.concatenate([old[0], new[0]]) * count + np.concatenate([old[1], new[1]])) * len(codes) + place
+    before, now = keys[: len(old[0])], keys[len(old[0]) :]
+    order = np.argsort(before)
+    found = np.minimum(np.searchsorted(before[order], now), len(before) - 1)
+    return np.where(before[order][found] == now, order[found], -1)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from contactlaws.files import write_atomically, write_text
-from dem.box import wrapped
+from dem.box import Box, wrapped
 from dem.record import Frame
 from dem.trajectory import Trajectory
 
@@ -17,7 +17,8 @@ DUMP_COLUMNS = "id type x y z vx vy vz radius contacts pressure"
 
 def dump_text(frame: Frame, step: int) -> str:
     """One frame as LAMMPS dump text, SI units, positions wrapped into the box."""
-    bounds = "".join(f"0.0 {length!r}\n" for length in frame.box.lengths)
+    tilts = frame.box.tilt if any(frame.box.tilt) else None
+    bounds = _bounds(frame.box)
     faces = " ".join("pp" if periodic else "ff" for periodic in frame.box.periodic)
     head = f"ITEM: TIMESTEP\n{step}\nITEM: TIME\n{frame.time!r}\nITEM: NUMBER OF ATOMS\n{len(frame.id)}\n"
     lines = [
@@ -32,7 +33,16 @@ def dump_text(frame: Frame, step: int) -> str:
             strict=True,
         )
     ]
-    return f"{head}ITEM: BOX BOUNDS {faces}\n{bounds}ITEM: ATOMS {DUMP_COLUMNS}\n{''.join(lines)}"
+    return f"{head}ITEM: BOX BOUNDS {'xy xz yz ' if tilts else ''}{faces}\n{bounds}ITEM: ATOMS {DUMP_COLUMNS}\n{''.join(lines)}"
+
+
+def _bounds(box: Box) -> str:
+    """Lower and upper bound per axis; of a tilted box those of the cuboid around it, and the tilt, as LAMMPS wants them."""
+    if not any(box.tilt):
+        return "".join(f"0.0 {length!r}\n" for length in box.lengths)
+    (x, y, z), (xy, xz, yz) = box.lengths, box.tilt
+    low, high = min(0.0, xy, xz, xy + xz), x + max(0.0, xy, xz, xy + xz)
+    return f"{low!r} {high!r} {xy!r}\n{min(0.0, yz)!r} {y + max(0.0, yz)!r} {xz!r}\n0.0 {z!r} {yz!r}\n"
 
 
 def write_dump(trajectory: Trajectory, path: str | Path) -> Path:

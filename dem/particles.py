@@ -15,13 +15,15 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Particles(NamedTuple):
-    """Spheres without rotation: with central forces alone it would never change. Arrays in one order; `id` names a sphere for good."""
+    """The spheres at the start. Arrays in one order; `id` names a sphere for good."""
 
     position: FloatArray  # m, shape (n, 3); any periodic image
     velocity: FloatArray  # m/s, shape (n, 3); relative to the deforming box
     radius: float | FloatArray  # m; one number when all are equal, else shape (n,)
     mass: FloatArray  # kg, shape (n,)
     id: npt.NDArray[np.int64]  # shape (n,), all different
+    kind: npt.NDArray[np.int64] | None = None  # which material, from 0 on, shape (n,); None: all are 0
+    spin: FloatArray | None = None  # 1/s, shape (n, 3); None: none turns
 
     @property
     def size(self) -> int:
@@ -67,6 +69,9 @@ def problems_with(particles: Particles) -> Iterator[Problem]:
             yield Problem(name, value.shape, f"must have the shape {shape}", "one row per particle")
         elif not np.isfinite(value).all():
             yield Problem(name, "not finite", f"row {int(np.argwhere(~np.isfinite(value))[0][0])} has a NaN or infinity", "repair that row")
+    for name, array, wanted in (("kind", particles.kind, (count,)), ("spin", particles.spin, (count, 3))):
+        if array is not None and (array.shape != wanted or not np.isfinite(array).all() or (name == "kind" and np.any(array < 0))):
+            yield Problem(name, array.shape, f"must be finite, 0 or more for a kind, and have the shape {wanted}", "one row per particle")
     for name, unit in (("radius", "m"), ("mass", "kg")):
         value = np.atleast_1d(getattr(particles, name))
         if name == "radius" and np.ndim(particles.radius) and value.shape != (count,):

@@ -9,12 +9,18 @@ import numpy as np
 
 from contactlaws import dispatch, pair
 from contactlaws.errors import InputError, Problem
+from contactlaws.tangential import Damper, Mindlin, Rolling
 from dem import box as boxes
 from dem import particles as bodies
-from dem.scene import Scene
+from dem.scene import Contact, Scene
+from dem.working import Working
 
+#: what can be carried along though the scene does not need it
+CARRIED = ("radius", "mass", "rates", "rotation")
 #: beyond it inertia shows in the stress of frictionless spheres
 QUASI_STATIC = 1e-3
+#: strain that a stage under stress control is given time for, if it has no duration
+SERVO_STRAIN = 0.05
 #: coordination number with which the pressure of a compressed packing is estimated
 EXPECTED_CONTACTS = 6.0
 
@@ -29,40 +35,76 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
         value = getattr(scene, name)
         if not low < value <= high:
             yield Problem(name, value, f"must lie in ({low:g}, {high:g}]", f"the default is {Scene.__dataclass_fields__[name].default:g}")
+    if not (math.isfinite(scene.density_scaling) and scene.density_scaling > 0.0):
+        yield Problem("density_scaling", scene.density_scaling, "must be positive", "1 leaves the masses as they are")
+    if not 0.0 <= scene.moving_walls <= 1.0:
+        yield Problem("moving_walls", scene.moving_walls, "must lie in [0, 1]", "0 moves the upper wall, 1 the lower, 0.5 both")
+    for name in scene.carry:
+        if name not in CARRIED:
+            yield Problem("carry", name, f"must be of {', '.join(CARRIED)}", "leave it out: the scene decides by itself")
     if scene.drag is not None and not 0.0 < scene.drag < math.inf:
         yield Problem("drag", scene.drag, "must be positive", "None is no drag")
-    for name in ("outputs", "frames"):
+    for name in ("outputs", "frames", "threads"):
         if getattr(scene, name) < 1:
             yield Problem(name, getattr(scene, name), "must be at least 1", "ask for some output")
 
 
 def _contact_problems(scene: Scene) -> Iterator[Problem]:
-    for role in ("tangential", "rolling", "damping"):
-        if getattr(scene.contact, role) is not None:
-            yield Problem(f"contact.{role}", getattr(scene.contact, role), "this role is not supported yet", "leave it out")
-    law = scene.contact.normal
+    if scene.wall_contact is not None and len(scene.wall_contact) < scene.kinds:
+        yield Problem("wall_contact", len(scene.wall_contact), f"must be given for each of {scene.kinds} kinds", "or leave it out")
+    for number, contact in enumerate(scene.contacts):
+        name = "contact" if number == 0 else f"contact {number}"
+        yield from (problem._replace(name=f"{name}.{problem.name}") for problem in _problems_of(contact))
+
+
+def _problems_of(contact: Contact) -> Iterator[Problem]:
+    law = contact.normal
     try:
-        dispatch.law_of(law)
+        known = dispatch.law_of(law)
     except InputError as error:
         yield from error.problems
         return
     for name, value in law._asdict().items():  # type: ignore[attr-defined]
         if isinstance(value, float | int) and not (isinstance(value, float) and math.isfinite(value)):
-            yield Problem(f"contact.normal.{name}", value, "must be a finite float", "an int or NaN in a law's record is a mistake")
+            yield Problem(f"normal.{name}", value, "must be a finite float", "an int or NaN in a law's record is a mistake")
     if not law.radius > 0.0:  # type: ignore[attr-defined]
-        yield Problem("contact.normal.radius", law.radius, "must be positive", "give the radius in m that the law was made for")  # type: ignore[attr-defined]
+        yield Problem("normal.radius", law.radius, "must be positive", "give the radius in m that the law was made for")  # type: ignore[attr-defined]
+    yield from known.problems(law)
+    if not 0.0 < contact.share <= 1.0:
+        yield Problem("share", contact.share, "must lie in (0, 1]", "1/2 is two equal bodies")
+    for role, record in (("tangential", Mindlin), ("rolling", Rolling), ("damping", Damper)):
+        value = getattr(contact, role)
+        if value is None:
+            continue
+        if not isinstance(value, record):
+            yield Problem(role, value, f"must be a {record.__name__} of contactlaws.tangential", "or None")
+        elif not all(math.isfinite(number) and number >= 0.0 for number in value):
+            yield Problem(role, tuple(value), "must be finite numbers, 0 or more", "see contactlaws.tangential")
+    if contact.rolling is not None and contact.tangential is None:
+        yield Problem("rolling", contact.rolling, "needs friction: without it no contact can turn a sphere", "give the tangential role too")
 
 
 def _programme_problems(scene: Scene) -> Iterator[Problem]:
     if not scene.programme:
         yield Problem("programme", "empty", "needs at least one stage", "use uniaxial_compression")
+    for axis, wall, periodic in zip("xyz", scene.walls, scene.box.periodic, strict=True):
+        if wall and periodic:
+            yield Problem(f"walls {axis}", True, "a box that repeats along an axis has no wall there", "make the axis open")
     for number, (stage, change) in enumerate(zip(scene.programme, changes(scene), strict=True)):
-        for axis, stretch, periodic in zip("xyz", stage.stretch, scene.box.periodic, strict=True):
+        for axis, stretch, periodic, wall, stress in zip("xyz", stage.stretch, scene.box.periodic, scene.walls, stage.stress, strict=True):
             name = f"programme[{number}].stretch {axis}"
             if not (math.isfinite(stretch) and stretch > 0.0):
                 yield Problem(name, stretch, "must be positive", "a strain of 1 or more leaves nothing of the box")
-            elif stretch != 1.0 and not periodic:
-                yield Problem(name, stretch, "an open axis cannot be compressed", "make the axis periodic")
+            elif (stretch != 1.0 or stress is not None) and not (periodic or wall):
+                yield Problem(name, stretch, "an open axis without walls cannot be compressed", "make the axis periodic, or give it walls")
+            elif stretch != 1.0 and not scene.affine and any(scene.walls) and not wall:
+                yield Problem(name, stretch, "without affine motion a box with walls changes only between them", "set affine")
+            if stress is not None and not (math.isfinite(stress) and stress >= 0.0):
+                yield Problem(f"programme[{number}].stress {axis}", stress, "must be 0 or more", "compression is positive")
+        if not all(math.isfinite(value) for value in stage.shear):
+            yield Problem(f"programme[{number}].shear", stage.shear, "must be finite", "give the angle")
+        if any(stage.shear) and not (scene.affine and all(scene.box.periodic)):
+            yield Problem(f"programme[{number}].shear", stage.shear, "needs a periodic box that carries the particles along", "set affine")
         if stage.duration is None:
             if change == 0.0 or not scene.particles.size:
                 yield Problem(f"programme[{number}].duration", None, "nothing moves, so nothing says how slowly", "give it in s")
@@ -89,15 +131,19 @@ def reference_pressure(scene: Scene, strain: float) -> float:
 
 
 def inertial_time(scene: Scene) -> float:
-    """d sqrt(rho/p) in s: strain rate times it is the inertial number. p is the effective-medium pressure at the largest strain."""
-    density = float(np.sum(scene.particles.mass)) / scene.particles.solid_volume
-    pressure = reference_pressure(scene, largest_strain(scene))
+    """d sqrt(rho/p) in s: strain rate times it is the inertial number. p is the effective-medium pressure at the largest strain.
+
+    Where the programme asks for stresses, p is the largest of them. rho is with density scaling: inertia is what the number is about.
+    """
+    density = float(np.sum(scene.masses)) / scene.particles.solid_volume
+    asked = [stress for stage in scene.programme for stress in stage.stress if stress]
+    pressure = max(asked) if asked else reference_pressure(scene, largest_strain(scene))
     return 2.0 * float(np.mean(scene.particles.radii)) * math.sqrt(density / pressure)
 
 
 def largest_strain(scene: Scene) -> float:
-    """Largest engineering strain that the programme reaches from the initial box, along any axis."""
-    return max((abs(1.0 - stretch) for stage in scene.programme for stretch in stage.stretch), default=0.0)
+    """Largest engineering strain or shear that the programme reaches from the initial box."""
+    return max((abs(value) for stage in scene.programme for value in (*(1.0 - s for s in stage.stretch), *stage.shear)), default=0.0)
 
 
 def durations(scene: Scene) -> tuple[float, ...]:
@@ -110,27 +156,41 @@ def durations(scene: Scene) -> tuple[float, ...]:
 
 def drags(scene: Scene) -> tuple[float, ...]:
     """Rate in 1/s at which velocities relative to the box fade, per stage: without it an elastic packing heats up, the more the slower."""
-    moving = scene.drag is not None and largest_strain(scene) > 0.0 and scene.particles.size > 0
+    moving = scene.drag is not None and max(changes(scene), default=0.0) > 0.0 and scene.particles.size > 0
     return (scene.drag / inertial_time(scene) if moving and scene.drag is not None else 0.0,) * len(scene.programme)
 
 
 def changes(scene: Scene) -> tuple[float, ...]:
-    """Largest change of stretch along any axis in each stage."""
-    before = ((1.0, 1.0, 1.0), *(stage.stretch for stage in scene.programme))
-    return tuple(max(abs(b - a) for a, b in zip(old, new.stretch, strict=True)) for old, new in zip(before, scene.programme, strict=False))
+    """Largest change of stretch or shear in each stage; of a stage under stress control, the strain that it is given time for."""
+    before = (((1.0, 1.0, 1.0), (0.0, 0.0, 0.0)), *((stage.stretch, stage.shear) for stage in scene.programme))
+    moved = (
+        max(abs(b - a) for a, b in zip((*stretch, *shear), (*new.stretch, *new.shear), strict=True))
+        for (stretch, shear), new in zip(before, scene.programme, strict=False)
+    )
+    return tuple(
+        max(change, SERVO_STRAIN) if any(s is not None for s in stage.stress) else change
+        for change, stage in zip(moved, scene.programme, strict=False)
+    )
 
 
-def left_out(scene: Scene) -> tuple[str, ...]:
-    """One line for everything that the scene does not need and is not computed."""
-    law = dispatch.law_of(scene.contact.normal)
-    lines = ["no tangential force, rolling or damping asked for: no rotations, no tangential history"]
-    if np.ndim(scene.particles.radius) == 0:
+def left_out(scene: Scene, work: Working) -> tuple[str, ...]:
+    """One line for everything that the scene does not need and is not computed, with its reason."""
+    lines = []
+    if work.bodies.spin is None:
+        lines.append("no tangential force asked for: no rotations, no tangential history")
+    if work.bodies.radius is None:
         lines.append("one radius: no radius per particle, one pair scale for all contacts")
-    if not law.memory:
-        lines.append(f"{law.name} has no memory: no history per contact")
-    if scene.box.periodic == (True, True, True):
-        lines.append("periodic along all axes: no walls, no wall search")
-    return tuple(lines)
+    if work.bodies.mass is None:
+        lines.append("one mass: no mass per particle")
+    for kind, group in zip(work.kinds, work.groups, strict=True):
+        law = dispatch.law_of(kind.contact.normal)
+        if not law.memory:
+            lines.append(f"{law.name} has no memory: no history per contact")
+        if group.roles.rates is None:
+            lines.append(f"{law.name} asks for no rates: no relative velocities")
+    if not any(scene.walls):
+        lines.append("no walls: no wall search")
+    return tuple(dict.fromkeys(lines))
 
 
 def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:

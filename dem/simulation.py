@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from contactlaws import dispatch
 from contactlaws.errors import require
@@ -17,18 +18,24 @@ from contactlaws.sources import source_hash
 from contactlaws.version import code_version
 from dem import checkpoint as disk
 from dem import requirements
-from dem.box import Box
-from dem.motion import Deformation, lengths_at
-from dem.record import COLUMNS, Frame, in_scene_order, observe
-from dem.scene import Scene, law_bytes
-from dem.timestep import TimeStep, collision_overlap, time_step
+from dem.forces import LARGEST
+from dem.measure import pair_geometry
+from dem.motion import Deformation
+from dem.record import COLUMNS, Beyond, Frame, deepest_beyond, in_scene_order, observe, pressures
+from dem.scene import Scene, Stage, law_bytes
+from dem.timestep import TimeStep, collision_overlap, scene_time_step
 from dem.trajectory import Trajectory, trajectory
-from dem.working import Working, arrays_of, follow, largest_overlap, with_arrays, working
+from dem.working import Working, arrays_of, follow, with_arrays, working
 
+FloatArray = npt.NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
 #: particles are pushed around, so contacts get deeper than the affine motion alone makes them
 NON_AFFINE = 2.0
+#: share of the target stress over which the servo brings its strain rate down to 0
+SERVO_BAND = 0.05
+#: how many times longer than the cautious step an adaptive one may become
+LONGER = 10.0
 #: CPU seconds between two checkpoints
 CHECKPOINT_EVERY = 5.0
 
@@ -36,8 +43,8 @@ CHECKPOINT_EVERY = 5.0
 class Plan(NamedTuple):
     """Everything decided before the first step."""
 
-    deformations: tuple[Deformation, ...]
-    outputs: tuple[tuple[int, int], ...]  # stage and step of each output after the start
+    durations: tuple[float, ...]  # s, of each stage
+    drags: tuple[float, ...]  # 1/s
     kept: frozenset[int]  # the outputs whose positions are kept
     step: TimeStep
     notes: tuple[str, ...]
@@ -49,6 +56,7 @@ class Log(NamedTuple):
 
     rows: list[list[float]]  # see record.COLUMNS
     frames: list[Frame]
+    beyond: list[Beyond]  # contacts outside their law's range, the deepest of each output
     counts: dict[str, float]  # steps, pair lists made, CPU seconds
 
 
@@ -62,100 +70,143 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
     path = None if checkpoint is None else Path(checkpoint)
     require([*requirements.problems_with(scene), *(() if path is None else disk.writable_problems(path))])
     report = progress or (lambda fraction, text: None)
-    law, began = scene.contact.normal, clock.process_time()
+    began = clock.process_time()
     identity = {"scene": scene.content_hash, "code": code_version()}
-    work = working(law, scene.particles, scene.box, 2.0 * float(scene.particles.radii.max(initial=0.0)) * scene.skin)
+    work = working(scene)
     require(requirements.overlap_problems(scene, largest_overlap(work)))
     plan = prepare(scene, work)
     for line in (*plan.notes, *(f"warning: {line}" for line in plan.warnings)):
         report(0.0, line)
-    log = Log([], [], {"steps": 0, "pair_lists": 1, "cpu_seconds": 0.0})
+    total = len(scene.programme) * scene.outputs
+    log = Log([], [], [], {"steps": 0, "pair_lists": 1, "cpu_seconds": 0.0})
     if path is not None and path.exists():
         work, log = _restored(scene, work, *disk.load(path, identity))
-        report(len(log.rows) / (len(plan.outputs) + 1), f"going on from {path}")
+        report(len(log.rows) / (total + 1), f"going on from {path}")
     before, stopped, saved = log.counts["cpu_seconds"], None, began
     if not log.rows:
-        _write_down(scene, work, plan, log, 0, 0)
-    for number in range(len(log.rows), len(plan.outputs) + 1):
-        stage, reached = plan.outputs[number - 1]
-        since = reached - plan.outputs[0][1] if number == 1 or plan.outputs[number - 2][0] != stage else plan.outputs[number - 2][1]
-        work, lists = follow(law, work, plan.deformations[stage], since, reached - since)
-        if not (np.isfinite(work.position).all() and np.isfinite(work.velocity).all()):
-            stopped = f"the motion diverged before output {number}: take a smaller time_step_fraction (the step is {plan.step.dt:.3g} s)"
+        _write_down(scene, work, plan, log, 0.0, 0)
+    for number in range(len(log.rows), total + 1):
+        stage, part = divmod(number - 1, scene.outputs)
+        deformation = _interval(scene, work, plan, stage, part)
+        work, lists = follow(work, deformation, 0, deformation.steps, scene.moving_walls)
+        stopped = _end_of(work, number, deformation.dt)
+        if stopped is not None:
             break
-        log.counts["steps"] += reached - since
+        log.counts["steps"] += deformation.steps
         log.counts["pair_lists"] += lists
         log.counts["cpu_seconds"] = before + clock.process_time() - began
-        _write_down(scene, work, plan, log, stage, reached)
-        if path is not None and (clock.process_time() - saved > CHECKPOINT_EVERY or number == len(plan.outputs)):
+        _write_down(scene, work, plan, log, deformation.dt, number)
+        if path is not None and (clock.process_time() - saved > CHECKPOINT_EVERY or number == total):
             disk.save(path, identity, *_saved(work, log))
             saved = clock.process_time()
-        report(number / len(plan.outputs), _line(log.rows[-1]))
-    return trajectory(scene, log.rows, log.frames, _statistics(scene, plan, log, identity), plan.notes, plan.warnings, stopped)
+        report(number / total, _line(log.rows[-1]))
+    return trajectory(
+        scene, log.rows, log.frames, log.beyond, _statistics(scene, plan, log, identity, work), plan.notes, plan.warnings, stopped
+    )
+
+
+def _end_of(work: Working, number: int, dt: float) -> str | None:
+    """Why a run cannot go on, None if it can."""
+    if not (np.isfinite(work.bodies.position).all() and np.isfinite(work.bodies.velocity).all()):
+        return f"the motion diverged before output {number}: take a smaller time_step_fraction (the step is {dt:.3g} s)"
+    deepest = float(work.tally[:, LARGEST].max())
+    if deepest >= 1.0:
+        return f"before output {number} a sphere was pressed by {deepest:.3g} of its radius, where the body ends: load less, or slower"
+    return None
+
+
+def _cell(scene: Scene, stage: int, share: float) -> FloatArray:
+    """Edge vectors in m when `share` of a stage is done, as the programme wants them."""
+    start = scene.programme[stage - 1] if stage > 0 else Stage((1.0, 1.0, 1.0))
+    before, after = (scene.box.stretched(s.stretch, s.shear).cell for s in (start, scene.programme[stage]))
+    return after if share == 1.0 else before + (after - before) * share
+
+
+def _interval(scene: Scene, work: Working, plan: Plan, stage: int, part: int) -> Deformation:
+    """The steps from one output to the next."""
+    duration = plan.durations[stage] / scene.outputs
+    most = plan.step.dt
+    if scene.adaptive_step and scene.particles.size:
+        deepest = largest_overlap(work) + NON_AFFINE * 2.0 * float(scene.particles.radii.max()) * _squeeze(scene, stage) / scene.outputs
+        most = min(max(most, scene_time_step(scene, deepest, scene.time_step_fraction).dt), LONGER * most)
+    steps = max(1, math.ceil(duration / most))
+    target, gain, fastest = np.zeros(3), np.zeros(3), 0.0
+    wanted = scene.programme[stage].stress
+    if any(stress is not None for stress in wanted):
+        fastest = scene.inertial_number / requirements.inertial_time(scene)
+        scale = max(stress or 0.0 for stress in wanted) or requirements.reference_pressure(scene, requirements.SERVO_STRAIN)
+        target = np.array([stress or 0.0 for stress in wanted])
+        gain = np.array([0.0 if stress is None else fastest / (SERVO_BAND * scale) for stress in wanted])
+    start, end = (_cell(scene, stage, (part + k) / scene.outputs) for k in (0, 1))
+    return Deformation(start, end, steps, duration / steps, plan.drags[stage], scene.affine, target, gain, fastest)
+
+
+def _squeeze(scene: Scene, stage: int) -> float:
+    """Largest strain or shear that a stage adds."""
+    return requirements.changes(scene)[stage]
 
 
 def prepare(scene: Scene, work: Working) -> Plan:
-    """Time step, steps per stage and outputs; and the lines that say what was decided."""
+    """Time step, durations and outputs; and the lines that say what was decided."""
     durations = requirements.durations(scene)
     step = _time_step(scene, work, durations)
-    edges = np.array(scene.box.lengths)
-    ends = [edges * np.array(stage.stretch) for stage in scene.programme]
-    every = [max(1, math.ceil(duration / (step.dt * scene.outputs))) for duration in durations]
-    deformations = tuple(
-        Deformation(before, after, n * scene.outputs, duration / (n * scene.outputs), drag)
-        for before, after, n, duration, drag in zip([edges, *ends], ends, every, durations, requirements.drags(scene), strict=False)
-    )
-    outputs = tuple((stage, n * k) for stage, n in enumerate(every) for k in range(1, scene.outputs + 1))
     within = [round(k * scene.outputs / scene.frames) for k in range(1, scene.frames + 1)]
-    kept = {0} | {stage * scene.outputs + k for stage in range(len(every)) for k in within}
-    notes = (*requirements.left_out(scene), *requirements.motion_notes(scene, durations), step.note)
-    return Plan(deformations, outputs, frozenset(kept), step, notes, requirements.rate_warnings(scene, durations))
+    kept = {0} | {stage * scene.outputs + k for stage in range(len(durations)) for k in within}
+    notes = (*requirements.left_out(scene, work), *requirements.motion_notes(scene, durations), step.note)
+    return Plan(durations, requirements.drags(scene), frozenset(kept), step, notes, requirements.rate_warnings(scene, durations))
 
 
 def _time_step(scene: Scene, work: Working, durations: tuple[float, ...]) -> TimeStep:
-    bodies, law = scene.particles, scene.contact.normal
+    bodies = scene.particles
     if bodies.size == 0:
-        return TimeStep(min(durations) / scene.outputs, math.inf, 0.0, 0.0, 0)
-    squeezed = 2.0 * work.widest * (1.0 - min(1.0, *(stretch for stage in scene.programme for stretch in stage.stretch)))
-    speed = 2.0 * float(np.sqrt((bodies.velocity**2).sum(axis=1)).max())
-    overlap = largest_overlap(work) + NON_AFFINE * squeezed + collision_overlap(law, bodies, speed)
-    return time_step(law, bodies, overlap or 1e-6 * work.widest, scene.time_step_fraction)
+        return TimeStep(min(durations) / scene.outputs, math.inf, 0.0, 0.0, 0, math.inf)
+    widest, speed = float(bodies.radii.max()), 2.0 * float(np.sqrt((bodies.velocity**2).sum(axis=1)).max())
+    squeezed = 2.0 * widest * min(requirements.largest_strain(scene), 1.0)
+    if any(stress is not None for stage in scene.programme for stress in stage.stress):
+        squeezed += 2.0 * widest * requirements.SERVO_STRAIN
+    overlap = largest_overlap(work) + NON_AFFINE * squeezed
+    overlap += max(collision_overlap(contact.normal, bodies._replace(mass=scene.masses), speed) for contact in scene.contacts)
+    return scene_time_step(scene, overlap or 1e-6 * widest, scene.time_step_fraction)
 
 
-def _write_down(scene: Scene, work: Working, plan: Plan, log: Log, stage: int, reached: int) -> None:
-    deformation = plan.deformations[stage]
-    x, y, z = (float(length) for length in lengths_at(deformation, reached))
-    box = Box((x, y, z), scene.box.periodic)
-    limit = math.inf if scene.contact.fitted_overlap is None else scene.contact.fitted_overlap
-    values, contacts, pressure = observe(scene.contact.normal, work, box, scene.box, limit)
-    time = sum(d.steps * d.dt for d in plan.deformations[:stage]) + reached * deformation.dt
-    values |= {"time": time, "stage": stage}
+def _write_down(scene: Scene, work: Working, plan: Plan, log: Log, dt: float, number: int) -> None:
+    values, found = observe(scene, work, scene.box, dt)
+    stage, part = divmod(max(number - 1, 0), scene.outputs)
+    time = sum(plan.durations[:stage]) + (plan.durations[stage] * ((part + 1) / scene.outputs) if number else 0.0)
+    values |= {"time": time, "stage": stage, "steps": log.counts["steps"]}
     log.rows.append([float(values[name]) for name in COLUMNS])
-    if len(log.rows) - 1 in plan.kept:
-        own = [in_scene_order(work, rows) for rows in (work.position, work.velocity, contacts, pressure)]
-        log.frames.append(Frame(len(log.rows) - 1, time, box, scene.particles.id, scene.particles.radii, *own))
+    beyond = deepest_beyond(scene, work, found, number)
+    if beyond is not None:
+        log.beyond.append(beyond)
+    if number in plan.kept:
+        contacts, pressure = pressures(work, found)
+        own = [in_scene_order(work, rows) for rows in (work.bodies.position, work.bodies.velocity, contacts, pressure)]
+        log.frames.append(Frame(number, time, work.box, scene.particles.id, scene.particles.radii, *own))
 
 
 def _saved(work: Working, log: Log) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     arrays = {f"work_{name}": value for name, value in arrays_of(work).items()}
     arrays["rows"] = np.array(log.rows)
     arrays["frame_outputs"] = np.array([frame.output for frame in log.frames])
-    arrays["frame_lengths"] = np.array([frame.box.lengths for frame in log.frames])
+    arrays["frame_cells"] = np.array([frame.box.cell for frame in log.frames])
     for name in ("position", "velocity", "contacts", "pressure"):
         arrays[f"frame_{name}"] = np.array([getattr(frame, name) for frame in log.frames])
-    return dict(log.counts), arrays
+    return {"counts": dict(log.counts), "beyond": [list(beyond) for beyond in log.beyond]}, arrays
 
 
-def _restored(scene: Scene, work: Working, counts: dict[str, Any], arrays: dict[str, np.ndarray]) -> tuple[Working, Log]:
+def _restored(scene: Scene, work: Working, numbers: dict[str, Any], arrays: dict[str, np.ndarray]) -> tuple[Working, Log]:
     work = with_arrays(work, {name.removeprefix("work_"): value for name, value in arrays.items() if name.startswith("work_")})
     rows = arrays["rows"].tolist()
-    own = zip(*(arrays[f"frame_{name}"] for name in ("outputs", "lengths", "position", "velocity", "contacts", "pressure")), strict=True)
+    own = zip(*(arrays[f"frame_{name}"] for name in ("outputs", "cells", "position", "velocity", "contacts", "pressure")), strict=True)
     same = (scene.particles.id, scene.particles.radii)
-    frames = [
-        Frame(int(output), rows[int(output)][0], Box(tuple(edges.tolist()), scene.box.periodic), *same, *rest)
-        for output, edges, *rest in own
-    ]
-    return work, Log(rows, frames, counts)
+    frames = [Frame(int(output), rows[int(output)][0], scene.box.with_cell(cell), *same, *rest) for output, cell, *rest in own]
+    beyond = [Beyond(int(a), int(b), c, d, tuple(e)) for a, b, c, d, e in numbers["beyond"]]
+    return work, Log(rows, frames, beyond, numbers["counts"])
+
+
+def largest_overlap(work: Working) -> float:
+    """Deepest overlap in m of any contact; 0 if nothing touches."""
+    return max((float(pair_geometry(work, group)[1].max(initial=0.0)) for group in work.groups), default=0.0)
 
 
 def _line(row: list[float]) -> str:
@@ -169,13 +220,18 @@ def law_hash(law: object) -> str:
     return hashlib.sha256(law_bytes(law) + source_hash("contactlaws").encode()).hexdigest()[:12]
 
 
-def _statistics(scene: Scene, plan: Plan, log: Log, identity: dict[str, str]) -> dict[str, Any]:
+def _statistics(scene: Scene, plan: Plan, log: Log, identity: dict[str, str], work: Working) -> dict[str, Any]:
     law, seconds = scene.contact.normal, max(log.counts["cpu_seconds"], 1e-9)
+    steps = [row[COLUMNS.index("time step")] for row in log.rows[1:]]
+    mine = [steps[k : k + scene.outputs] for k in range(0, len(steps), scene.outputs)]
     return {
         **log.counts,
         "particle_steps_per_cpu_second": log.counts["steps"] * scene.particles.size / seconds,
-        "dt": [deformation.dt for deformation in plan.deformations],
-        "dt_over_critical": [deformation.dt / plan.step.critical for deformation in plan.deformations],
+        "dt": [max(stage) for stage in mine],
+        "dt_over_critical": [max(stage) / plan.step.critical for stage in mine],
+        "itasca_dt": plan.step.itasca,
+        "bytes_per_particle": work.bytes_used / max(scene.particles.size, 1),
+        "threads": scene.threads,
         "stiffness_bound": plan.step.stiffness,
         "overlap_reckoned_with": plan.step.overlap,
         "law": dispatch.law_of(law).name,

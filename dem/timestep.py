@@ -2,22 +2,30 @@
 
 The highest eigenfrequency of spheres on contact springs obeys omega^2 <= 2 z k/m (Gershgorin: k the stiffest contact, z contacts on the
 lightest sphere m; exact for a pair with z = 1). So the critical step is sqrt(2 m/(z k)), with k the bound that the law itself gives over
-all histories up to the largest overlap that the scene can reach.
+all histories up to the largest overlap that the scene can reach. Friction moves a sphere and turns it: its spring counts 1 + m R^2/I = 7/2
+times. A damper of ratio z brings the limit down by sqrt(1 + z^2) - z.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from contactlaws import dispatch, pair
 from contactlaws.compiled import kernel
+from contactlaws.tangential import tangential_stiffness
 from dem.particles import Particles
+from dem.scene import Contact, Scene
 
 #: equal spheres that can touch one
 KISSING_NUMBER = 12
+#: Itasca's safety factor for spheres that move and turn in three dimensions (Wahn, Gan & Kamlah 2022, Eq. 2.8)
+ITASCA = 0.17
+#: of the tangential spring of a solid sphere: 1 + m R^2/I
+TURNING = 3.5
 
 
 class TimeStep(NamedTuple):
@@ -28,13 +36,14 @@ class TimeStep(NamedTuple):
     stiffness: float  # N/m; bound of the pair's tangent, unloading included
     overlap: float  # m; of a pair, the largest that was reckoned with
     contacts: int  # on the lightest sphere
+    itasca: float  # s; 0.17 sqrt(m/k) of the same m and k
 
     @property
     def note(self) -> str:
         """One line for the start of a run."""
         return (
-            f"time step {self.dt:.3g} s, {self.dt / self.critical:.3g} of the critical {self.critical:.3g} s "
-            f"(unloading stiffness up to {self.stiffness:.3g} N/m at an overlap of {self.overlap:.3g} m, {self.contacts} contacts)"
+            f"time step {self.dt:.3g} s, {self.dt / self.critical:.3g} of the critical {self.critical:.3g} s (unloading stiffness up to "
+            f"{self.stiffness:.3g} N/m at an overlap of {self.overlap:.3g} m, {self.contacts} contacts); Itasca's is {self.itasca:.3g} s"
         )
 
 
@@ -47,13 +56,59 @@ def critical_step(mass: float, stiffness: float, contacts: int = KISSING_NUMBER)
     return math.sqrt(2.0 * mass / (contacts * stiffness))
 
 
+def pair_stiffness(contact: Contact, radius_1: float, radius_2: float | None, overlap: float) -> float:
+    """Largest stiffness in N/m of a contact up to `overlap` (m), friction included; radius_2 None: on a wall."""
+    law = contact.normal
+    scale = pair.wall_scale(law, radius_1) if radius_2 is None else pair.pair_scale(law, radius_1, radius_2, contact.share)
+    stiffness = float(pair.pair_stiffness_bound(law, scale, overlap, contact.share))
+    if contact.tangential is not None:
+        # no contact is wider than the smaller sphere; an elastic one has a^2 = R d
+        radius = radius_1 if radius_2 is None else radius_1 * radius_2 / (radius_1 + radius_2)
+        widest = min(radius_1, radius_2 or radius_1, 1.5 * math.sqrt(radius * overlap))
+        stiffness = max(stiffness, TURNING * float(tangential_stiffness(contact.tangential, widest)))
+    return stiffness
+
+
 def time_step(law: object, particles: Particles, overlap: float, fraction: float, contacts: int = KISSING_NUMBER) -> TimeStep:
     """`fraction` of the critical step for overlaps up to `overlap` (m, of a pair), from the lightest sphere meeting the largest one."""
     radii = particles.radii
-    scale = pair.pair_scale(law, float(radii.min()), float(radii.max()))
-    stiffness = float(pair.pair_stiffness_bound(law, scale, overlap))
-    critical = critical_step(float(particles.mass.min()), stiffness, contacts)
-    return TimeStep(fraction * critical, critical, stiffness, overlap, contacts)
+    stiffness = pair_stiffness(Contact(law), float(radii.min()), float(radii.max()), overlap)
+    return _step(float(particles.mass.min()), stiffness, overlap, fraction, contacts, 1.0)
+
+
+def scene_time_step(scene: Scene, overlap: float, fraction: float) -> TimeStep:
+    """`fraction` of the critical step of a scene: the smallest of all kinds of contact, dampers and density scaling included."""
+    return min(_steps(scene, overlap, fraction), key=lambda step: step.critical)
+
+
+def _steps(scene: Scene, overlap: float, fraction: float) -> Iterator[TimeStep]:
+    kind = scene.particles.kind
+    of_kind = [np.ones(scene.particles.size, bool) if kind is None else kind == number for number in range(scene.kinds)]
+    radii, masses = scene.particles.radii, scene.masses
+    for one, mine in enumerate(of_kind):
+        smallest, lightest = float(radii[mine].min(initial=math.inf)), float(masses[mine].min(initial=math.inf))
+        if not mine.any():
+            continue
+        for other, theirs in enumerate(of_kind):
+            if theirs.any():
+                contact = scene.contact_between(one, other)
+                stiffness = pair_stiffness(contact, smallest, float(radii[theirs].max()), overlap)
+                yield _step(lightest, stiffness, overlap, fraction, KISSING_NUMBER, _damping(contact))
+        if any(scene.walls):
+            contact = scene.contact_with_wall(one)
+            stiffness = pair_stiffness(contact, smallest, None, overlap)
+            yield _step(lightest, stiffness, overlap, fraction, KISSING_NUMBER, _damping(contact))
+
+
+def _damping(contact: Contact) -> float:
+    """By what a damper brings the critical step down."""
+    ratio = 0.0 if contact.damping is None else contact.damping.ratio
+    return math.hypot(1.0, ratio) - ratio
+
+
+def _step(mass: float, stiffness: float, overlap: float, fraction: float, contacts: int, damping: float) -> TimeStep:
+    critical = damping * critical_step(mass, stiffness, contacts)
+    return TimeStep(fraction * critical, critical, stiffness, overlap, contacts, ITASCA * math.sqrt(mass / stiffness))
 
 
 @kernel

@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dem.measure import Energies
-from dem.record import COLUMNS, Frame
+from dem.record import COLUMNS, Beyond, Frame
 from dem.requirements import QUASI_STATIC
 from dem.scene import Scene
-from dem.timestep import time_step
+from dem.timestep import scene_time_step
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -38,6 +38,10 @@ class Trajectory:
     coordination_number_held: FloatArray  # mean over those that are no rattlers, rattlers' contacts not counted
     rattlers: npt.NDArray[np.int64]
     packing_fraction: FloatArray
+    shear: FloatArray  # change of tilt over the height: xy, xz, yz; shape (n, 3)
+    fabric: FloatArray  # mean of n n over contacts of spheres, shape (n, 3, 3)
+    contacts_beyond: npt.NDArray[np.int64]  # contacts outside the range that their law was fitted for
+    beyond: tuple[Beyond, ...]  # the deepest of them, of each output that has any
     energies: Energies
     frames: tuple[Frame, ...]
     statistics: Mapping[str, Any]  # dt, dt over critical, steps, lists made, cost in CPU seconds, code version, law, ...; JSON types
@@ -55,6 +59,7 @@ def trajectory(
     scene: Scene,
     rows: list[list[float]],
     frames: list[Frame],
+    beyond: list[Beyond],
     statistics: dict[str, Any],
     notes: tuple[str, ...],
     warnings: tuple[str, ...],
@@ -62,8 +67,10 @@ def trajectory(
 ) -> Trajectory:
     """The record made of the rows of a run (see record.COLUMNS), with the warnings that only its end can give."""
     column = dict(zip(COLUMNS, np.array(rows).T, strict=True))
-    energies = Energies(column["kinetic"], column["stored"], column["dissipated"], column["damped"], column["boundary work"])
-    stress = np.stack([column[f"stress {a}{b}"] for a in "xyz" for b in "xyz"], axis=-1).reshape(-1, 3, 3)
+    energies = Energies(*(column[name] for name in Energies._fields))
+    stress, fabric = (
+        np.stack([column[f"{n} {a}{b}"] for a in "xyz" for b in "xyz"], axis=-1).reshape(-1, 3, 3) for n in ("stress", "fabric")
+    )
     top = int(np.argmax(energies.stored))
     summary = {
         "energy_balance": float(np.abs(energies.balance).max()),
@@ -72,7 +79,7 @@ def trajectory(
         "inertial_number_at_peak": _inertial_number_at(top, scene, column),
         "time_step_over_critical_at_largest_overlap": _step_over_critical(scene, float(column["largest overlap"].max()), statistics["dt"]),
     }
-    late = _late_warnings(scene, column, summary, statistics)
+    late = _late_warnings(scene, column, summary, beyond)
     return Trajectory(
         time=column["time"],
         stage=column["stage"].astype(np.int64),
@@ -82,6 +89,10 @@ def trajectory(
         coordination_number_held=column["coordination held"],
         rattlers=column["rattlers"].astype(np.int64),
         packing_fraction=column["packing fraction"],
+        shear=np.stack([column[f"shear {a}"] for a in ("xy", "xz", "yz")], axis=-1),
+        fabric=fabric,
+        contacts_beyond=column["contacts beyond"].astype(np.int64),
+        beyond=tuple(beyond),
         energies=energies,
         frames=tuple(frames),
         statistics=statistics | summary,
@@ -95,13 +106,14 @@ def _inertial_number_at(output: int, scene: Scene, column: dict[str, FloatArray]
     """Strain rate times d sqrt(rho/p) with the pressure there; None without motion or pressure."""
     if output == 0:
         return None
-    steps = [column[name][output] - column[name][output - 1] for name in ("time", "strain x", "strain y", "strain z")]
+    moved = ("time", *(f"strain {a}" for a in "xyz"), *(f"shear {a}" for a in ("xy", "xz", "yz")))
+    steps = [column[name][output] - column[name][output - 1] for name in moved]
     rate = max(abs(step) for step in steps[1:]) / steps[0]
     pressure = sum(column[f"stress {axis}{axis}"][output] for axis in "xyz") / 3.0
     if rate == 0.0 or pressure <= 0.0:
         return None
     bodies = scene.particles
-    return rate * 2.0 * float(bodies.radii.mean()) * math.sqrt(float(bodies.mass.sum()) / bodies.solid_volume / pressure)
+    return float(rate) * 2.0 * float(bodies.radii.mean()) * math.sqrt(float(scene.masses.sum() / bodies.solid_volume / pressure))
 
 
 def _step_over_critical(scene: Scene, relative_overlap: float, steps: list[float]) -> float:
@@ -109,14 +121,19 @@ def _step_over_critical(scene: Scene, relative_overlap: float, steps: list[float
     if not scene.particles.size or relative_overlap == 0.0:
         return 0.0
     overlap = 2.0 * relative_overlap * float(scene.particles.radii.max())
-    return max(steps) / time_step(scene.contact.normal, scene.particles, overlap, 1.0).critical
+    return max(steps) / scene_time_step(scene, overlap, 1.0).critical
 
 
-def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[str, Any], statistics: dict[str, Any]) -> Iterator[str]:
-    limit, deepest = scene.contact.fitted_overlap, summary["largest_overlap"]
-    if limit is not None and deepest > limit:
-        most = int(column["contacts beyond"].max())
-        yield f"overlap left the range the law was fitted for: up to {most} contacts at an output, largest D = {deepest:.4g} > {limit:.4g}"
+def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[str, Any], beyond: list[Beyond]) -> Iterator[str]:
+    deepest = summary["largest_overlap"]
+    if beyond:
+        most, worst = int(column["contacts beyond"].max()), max(beyond, key=lambda contact: contact.depth)
+        where = "a wall" if worst.second is None else f"sphere {worst.second}"
+        x, y, z = worst.position
+        yield (
+            f"overlap left the range the law was fitted for: up to {most} contacts at an output, largest D = {worst.depth:.4g} between "
+            f"sphere {worst.first} at ({x:.4g}, {y:.4g}, {z:.4g}) m and {where} at output {worst.output}"
+        )
     if summary["time_step_over_critical_at_largest_overlap"] > CAREFUL:
         yield f"contacts got deeper than expected (D = {deepest:.4g}): the time step is no longer small, take a smaller time_step_fraction"
     if summary["energy_balance"] > BALANCE:

@@ -2,130 +2,298 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
 from contactlaws import dispatch, pair
 from dem.box import Box
-from dem.forces import LOST_ENERGY, TALLIES, pair_forces
-from dem.motion import Deformation, advance, lengths_at
-from dem.neighbours import PairList, carried_over, cell_order, neighbours
-from dem.particles import Particles
+from dem.forces import LOST, TALLIES, Bodies, Frame, Past, Roles, Rows, forces
+from dem.motion import Deformation, Listed, advance, advance_on_threads, part_forces
+from dem.neighbours import cell_order, codes_of, neighbours, rows_before
+from dem.scene import Contact, Scene
 
 FloatArray = npt.NDArray[np.float64]
+
+
+class Group(NamedTuple):
+    """All pairs whose contacts share their physics."""
+
+    roles: Roles
+    rows: Rows
+    past: Past
+
+
+class Kind(NamedTuple):
+    """Which spheres a group is of: two kinds, or one and the walls."""
+
+    first: int
+    second: int | None  # None: the walls
+    contact: Contact
 
 
 class Working(NamedTuple):
     """State of a run. The kernels change the arrays in place; a new pair list makes a new record. Rows are sorted by cells: see `order`."""
 
-    position: FloatArray  # m; never wrapped
-    velocity: FloatArray  # m/s; relative to the box
-    mass: FloatArray  # kg
-    radius: FloatArray | None  # m; None: all are `one_radius`
-    one_radius: float  # m
-    widest: float  # m; the largest radius
+    bodies: Bodies
+    kind: npt.NDArray[np.int64] | None  # of each sphere; None: all are of kind 0
     periodic: tuple[bool, bool, bool]
-    order: npt.NDArray[np.int64]  # row k here is row order[k] of the scene's particles
-    force: FloatArray  # N
-    virial: FloatArray  # J; see forces.pair_forces
-    tally: FloatArray  # see forces
-    pairs: PairList
-    memory: FloatArray | None  # per pair; None: the law has none
-    magnitude: FloatArray  # N, per pair
+    order: npt.NDArray[np.int32]  # row k here is row order[k] of the scene's particles
+    cell: FloatArray  # m; the edge vectors
+    old: FloatArray  # m; one step earlier
+    walls: FloatArray  # see forces.Frame
+    kinds: tuple[Kind, ...]  # of each group
+    groups: tuple[Group, ...]
+    listed: Listed
+    force: FloatArray  # N, shape (threads, n, 3)
+    torque: FloatArray  # N m, the same; (threads, 0, 3) without spins
+    virial: FloatArray  # J, shape (threads, 3, 3); see forces.pair_forces
+    reaction: FloatArray  # N, on walls, shape (threads, w, 3)
+    tally: FloatArray  # shape (threads, TALLIES), see forces
+
+    @property
+    def size(self) -> int:
+        """Number of spheres."""
+        return len(self.bodies.position)
 
     @property
     def radii(self) -> FloatArray:
         """Every radius in m."""
-        return np.full(len(self.mass), self.one_radius) if self.radius is None else self.radius
+        return np.full(self.size, self.bodies.one_radius) if self.bodies.radius is None else self.bodies.radius
+
+    @property
+    def masses(self) -> FloatArray:
+        """Every mass in kg."""
+        return np.full(self.size, self.bodies.one_mass) if self.bodies.mass is None else self.bodies.mass
+
+    @property
+    def box(self) -> Box:
+        """The box as it is."""
+        return Box((1.0, 1.0, 1.0), self.periodic).with_cell(self.cell)
+
+    @property
+    def bytes_used(self) -> int:
+        """By all arrays that last from step to step."""
+        arrays = [*arrays_of(self).values(), self.order]
+        return sum(array.nbytes for array in arrays)
 
 
-def working(law: object, bodies: Particles, box: Box, skin: float) -> Working:
+def needs_rates(contact: Contact) -> bool:
+    """Whether anything asks how fast surfaces move on each other."""
+    return contact.tangential is not None or contact.damping is not None or dispatch.law_of(contact.normal).in_time
+
+
+def kinds_of(scene: Scene) -> tuple[Kind, ...]:
+    """The groups of pairs of a scene: those of the same physics, and each kind of particle on the walls."""
+    pairs = itertools.combinations_with_replacement(range(scene.kinds), 2)
+    kinds = [Kind(one, other, scene.contact_between(one, other)) for one, other in pairs]
+    if any(scene.walls):
+        kinds += [Kind(one, None, scene.contact_with_wall(one)) for one in range(scene.kinds)]
+    return tuple(kinds)
+
+
+def working(scene: Scene) -> Working:
     """Arrays sorted by cells, so that neighbours in space are neighbours in memory (once, at the start: a dense packing hardly mixes)."""
+    bodies, count, kinds = scene.particles, scene.particles.size, kinds_of(scene)
     order = cell_order(bodies.position, bodies.radii)
-    radii, count = bodies.radii[order], bodies.size
-    pairs = neighbours(bodies.position[order], radii, box, skin)
-    floats = dispatch.floats_of_state(law)
+    turns = bodies.spin is not None or "rotation" in scene.carry or any(kind.contact.tangential is not None for kind in kinds)
+    radii, masses = bodies.radii[order], scene.masses[order]
+    one_mass = count == 0 or bool(np.all(masses == masses[0]))
+    spin = np.zeros((count, 3)) if bodies.spin is None else bodies.spin[order].astype(float)
+    many = np.ndim(bodies.radius) > 0 or "radius" in scene.carry
+    walls = np.array([[a, s, 0.0 if s > 0 else scene.box.lengths[a], 0.0] for a in range(3) if scene.walls[a] for s in (1.0, -1.0)])
+    threads, skin, widest = scene.threads, scene.skin, float(radii.max(initial=0.0))
     work = Working(
-        position=bodies.position[order],
-        velocity=bodies.velocity[order],
-        mass=bodies.mass[order],
-        radius=None if np.ndim(bodies.radius) == 0 else radii,
-        one_radius=float(radii[0]) if count else 1.0,
-        widest=float(radii.max(initial=0.0)),
-        periodic=box.periodic,
-        order=order,
-        force=np.zeros((count, 3)),
-        virial=np.zeros(6),
-        tally=np.zeros(TALLIES),
-        pairs=pairs,
-        memory=np.zeros((len(pairs.partner), floats)) if floats else None,
-        magnitude=np.zeros(len(pairs.partner)),
+        bodies=Bodies(
+            position=bodies.position[order],
+            velocity=bodies.velocity[order],
+            spin=spin if turns else None,
+            radius=radii.copy() if many else None,
+            one_radius=float(radii[0]) if count else 1.0,
+            mass=None if one_mass and "mass" not in scene.carry else masses,
+            one_mass=float(masses[0]) if count else 1.0,
+        ),
+        kind=None if bodies.kind is None else bodies.kind[order],
+        periodic=scene.box.periodic,
+        order=order.astype(np.int32),
+        cell=scene.box.cell,
+        old=scene.box.cell,
+        walls=walls.reshape(-1, 4),
+        kinds=kinds,
+        groups=tuple(_new_group(kind.contact, bool(many), kind.second is None, scene.carry) for kind in kinds),
+        listed=Listed(np.zeros((count, 3)), scene.box.cell, np.zeros((0, 3)), 2.0 * widest * skin, 2.0 * widest),
+        force=np.zeros((threads, count, 3)),
+        torque=np.zeros((threads, count if turns else 0, 3)),
+        virial=np.zeros((threads, 3, 3)),
+        reaction=np.zeros((threads, len(walls), 3)),
+        tally=np.zeros((threads, TALLIES)),
     )
-    motion = (work.position, work.velocity, work.radius, work.one_radius, pairs.lengths, np.zeros(3), 0.0)
-    contacts = (pairs.start, pairs.partner, pairs.image, pairs.images, work.memory, work.magnitude)
-    pair_forces(law, *motion, *contacts, work.force, work.virial, work.tally)
+    work = relisted(work)
+    renew_forces(work)
     return work
 
 
-def follow(law: object, work: Working, deformation: Deformation, step: int, steps: int) -> tuple[Working, int]:
+def renew_forces(work: Working, gradient: FloatArray | None = None, dt: float = 0.0) -> None:
+    """Compute the forces of the state as it is, `dt` (s) after they were computed last, in a box of this velocity gradient (1/s)."""
+    images, parts = work.listed.images, len(work.force)
+    frame = Frame(images @ work.cell, np.zeros_like(images), np.zeros((3, 3)) if gradient is None else gradient, work.walls)
+    for part in range(parts):
+        sums = (work.force[part], work.torque[part], work.virial[part], work.reaction[part], work.tally[part])
+        part_forces(work.groups, work.bodies, frame, dt, part, parts, *sums)
+
+
+def _new_group(contact: Contact, many: bool, wall: bool, carry: tuple[str, ...]) -> Group:
+    """A group without pairs: its arrays tell what its contacts will remember."""
+    rates = True if needs_rates(contact) or "rates" in carry else None
+    floats, slides = dispatch.floats_of_state(contact.normal), contact.tangential is not None
+    past = Past(
+        memory=np.zeros((0, floats)) if floats else None,
+        slip=np.zeros((4, 0)) if slides else None,
+        roll=np.zeros((3, 0)) if slides and contact.rolling is not None else None,
+        damping=np.zeros(0) if contact.damping is not None else None,
+    )
+    nobody = np.zeros(0, np.uint32)
+    roles = Roles(contact.normal, contact.tangential, contact.rolling, contact.damping, contact.share, rates)
+    return Group(roles, Rows(nobody, nobody, None if wall else np.zeros(0, np.uint16)), past)
+
+
+def follow(work: Working, deformation: Deformation, step: int, steps: int, moving_walls: float = 0.0) -> tuple[Working, int]:
     """Take `steps` steps of a stage from number `step` on; return the state and how many new pair lists it took.
 
     Stops early, with positions that are not finite, if the motion diverges.
     """
     end, drifted, lists = step + steps, False, 0
+    threads = len(work.force)
+    go = advance if threads == 1 else advance_on_threads
+    if threads > 1 and not numba.config.DISABLE_JIT:
+        numba.set_num_threads(threads)
     while step < end:
-        step, drifted = advance(
-            law, deformation, step, end - step, drifted, work.position, work.velocity, work.mass, work.radius, work.one_radius, work.widest,
-            work.pairs, work.memory, work.magnitude, work.force, work.virial, work.tally,
+        step, drifted = go(
+            work.groups, deformation, step, end - step, drifted, work.bodies, work.cell, work.old, work.listed, work.walls, moving_walls,
+            work.force, work.torque, work.virial, work.reaction, work.tally,
         )  # fmt: skip
-        if not np.isfinite(work.position).all():
+        if not np.isfinite(work.bodies.position).all():
             break
         if drifted:
-            work, lists = _relisted(law, work, lengths_at(deformation, step + 1)), lists + 1
+            work, lists = relisted(work), lists + 1
     return work, lists
 
 
-def _relisted(law: object, work: Working, lengths: FloatArray) -> Working:
-    """The same state with a new pair list in a box of these edges; the memory of every contact goes along."""
-    x, y, z = (float(length) for length in lengths)
-    pairs = neighbours(work.position, work.radii, Box((x, y, z), work.periodic), work.pairs.skin)
-    memory = work.memory
-    if memory is not None:
-        fresh, homeless = carried_over(work.pairs, memory, pairs)
-        work.tally[LOST_ENERGY] += sum(_ended(law, work, memory[row], row) for row in homeless)
-        memory = fresh
-    return work._replace(pairs=pairs, memory=memory, magnitude=np.zeros(len(pairs.partner)))
+def relisted(work: Working) -> Working:
+    """The same state with a new pair list for the box as it is; what contacts remember goes along."""
+    bodies, radii, skin = work.bodies, work.radii, work.listed.skin
+    pairs = neighbours(bodies.position, radii, work.box, skin)
+    images = np.concatenate([[[0, 0, 0]], pairs.images])  # the first for walls
+    groups = []
+    for kind, group in zip(work.kinds, work.groups, strict=True):
+        if kind.second is None:
+            first, partner = _near_walls(work, radii, skin)
+            chosen = np.ones(len(first), bool) if work.kind is None else work.kind[first] == kind.first
+            image = np.zeros(len(first), np.int64)
+        else:
+            first, partner, image = pairs.first, pairs.partner, pairs.image + 1
+            chosen = np.ones(len(first), bool)
+            if work.kind is not None:
+                ends = np.stack([work.kind[first], work.kind[partner]])
+                chosen = (ends.min(axis=0) == kind.first) & (ends.max(axis=0) == kind.second)
+        new = (first[chosen], partner[chosen], image[chosen])
+        groups.append(_carried_over(work, group, new, images))
+    listed = Listed(bodies.position.copy(), work.cell.copy(), images.astype(float), skin, work.listed.reach)
+    return work._replace(groups=tuple(groups), listed=listed)
 
 
-def _ended(law: object, work: Working, memory: FloatArray, row: int) -> float:
+def _near_walls(work: Working, radii: FloatArray, skin: float) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """The spheres within the skin of a wall, and the walls."""
+    near = [
+        np.flatnonzero(side * (work.bodies.position[:, int(axis)] - place) - radii <= skin) for axis, side, place, _ in work.walls.tolist()
+    ]
+    return np.concatenate(near), np.repeat(np.arange(len(near)), [len(rows) for rows in near])
+
+
+def _carried_over(work: Working, group: Group, new: tuple[Any, Any, Any], images: npt.NDArray[np.int64]) -> Group:
+    """The group with the pairs `new` (first, partner, row of the images), its memory moved to where its contacts now stand."""
+    first, partner, image = new
+    rows, past = group.rows, group.past
+    if not any(array is not None for array in past):
+        kept = past
+    else:
+        old_image = np.zeros(len(rows.first), np.int64) if rows.image is None else rows.image.astype(np.int64)
+        old_images = work.listed.images.astype(np.int64) if len(work.listed.images) else images
+        before = (rows.first.astype(np.int64), rows.partner.astype(np.int64), codes_of(old_images)[old_image])
+        source = rows_before(before, (first, partner, codes_of(images)[image]), max(work.size, len(work.walls)))
+        there = source >= 0
+        if past.memory is not None:
+            homeless = np.setdiff1d(np.flatnonzero(past.memory.any(axis=1)), source[there])
+            work.tally[0, LOST] += sum(_ended(work, group, row) for row in homeless)
+        kept = Past(*(None if array is None else _moved(array, source, there, name) for name, array in past._asdict().items()))
+    return group._replace(
+        rows=Rows(first.astype(np.uint32), partner.astype(np.uint32), None if rows.image is None else image.astype(np.uint16)), past=kept
+    )
+
+
+def _moved(array: FloatArray, source: npt.NDArray[np.int64], there: npt.NDArray[np.bool_], name: str) -> FloatArray:
+    """What pairs remember, in their new rows; zero for new pairs."""
+    along = 0 if name == "memory" else array.ndim - 1
+    shape = list(array.shape)
+    shape[along] = len(source)
+    moved = np.zeros(shape)
+    if along == 0:
+        moved[there] = array[source[there]]
+    else:
+        moved[:, there] = array[:, source[there]]
+    return moved
+
+
+def _ended(work: Working, group: Group, row: int) -> float:
     """Energy in J used up by a contact that has moved apart by more than the skin within one step."""
-    i, j = work.pairs.first[row], work.pairs.partner[row]
-    scale = pair.pair_scale(law, work.radii[i], work.radii[j])
-    return sum(pair.pair_energy(law, scale, 0.0, dispatch.load_state(law, memory.reshape(1, -1), 0)))
-
-
-def largest_overlap(work: Working) -> float:
-    """Deepest overlap in m of any pair; 0 if nothing touches."""
-    pairs = work.pairs
-    if not len(pairs.partner):
-        return 0.0
-    first, second = pairs.first, pairs.partner
-    between = work.position[second] + pairs.images[pairs.image] * pairs.lengths - work.position[first]
-    reach = work.radii[first] + work.radii[second]
-    return max(0.0, float(np.max(reach - np.linalg.norm(between, axis=1))))
+    law, share, radii = group.roles.normal, group.roles.share, work.radii
+    i, j = group.rows.first[row], group.rows.partner[row]
+    scale = pair.wall_scale(law, radii[i]) if group.rows.image is None else pair.pair_scale(law, radii[i], radii[j], share)
+    assert group.past.memory is not None
+    return sum(pair.pair_energy(law, scale, 0.0, dispatch.load_state(law, group.past.memory, row), share))
 
 
 def arrays_of(work: Working) -> dict[str, np.ndarray]:
     """Everything that changes, by name, for a checkpoint."""
-    names = ("position", "velocity", "order", "force", "virial", "tally", "magnitude", *(() if work.memory is None else ("memory",)))
-    listed = {f"pairs_{name}": np.asarray(value) for name, value in work.pairs._asdict().items()}
-    return {name: getattr(work, name) for name in names} | listed
+    names = ("cell", "old", "walls", "force", "torque", "virial", "reaction", "tally")
+    arrays: dict[str, Any] = {name: getattr(work, name) for name in names}
+    arrays |= {f"body_{name}": value for name, value in work.bodies._asdict().items() if isinstance(value, np.ndarray)}
+    arrays |= {f"list_{name}": getattr(work.listed, name) for name in ("position", "cell", "images")}
+    for number, group in enumerate(work.groups):
+        arrays |= {
+            f"group{number}_{name}": value for name, value in (group.rows._asdict() | group.past._asdict()).items() if value is not None
+        }
+    return arrays
 
 
 def with_arrays(work: Working, arrays: dict[str, np.ndarray]) -> Working:
-    """The state that `arrays_of` took apart."""
-    pairs = PairList(**{name: arrays[f"pairs_{name}"] for name in PairList._fields if name != "skin"}, skin=float(arrays["pairs_skin"]))
-    changed: dict[str, Any] = {name: arrays[name] for name in ("position", "velocity", "order", "force", "virial", "tally", "magnitude")}
-    return work._replace(pairs=pairs, memory=arrays.get("memory"), **changed)
+    """The state that `arrays_of` took apart; `work` is a state of the same scene."""
+
+    def those(prefix: str) -> dict[str, Any]:
+        return {name.removeprefix(prefix): value for name, value in arrays.items() if name.startswith(prefix)}
+
+    bodies, listed = work.bodies._replace(**those("body_")), work.listed._replace(**those("list_"))
+    groups = []
+    for number, group in enumerate(work.groups):
+        own = those(f"group{number}_")
+        rows = Rows(own["first"], own["partner"], own.get("image"))
+        groups.append(group._replace(rows=rows, past=Past(*(own.get(name) for name in Past._fields))))
+    names = ("cell", "old", "walls", "force", "torque", "virial", "reaction", "tally")
+    changed: dict[str, Any] = {name: arrays[name] for name in names}
+    return work._replace(bodies=bodies, listed=listed, groups=tuple(groups), **changed)
+
+
+def forces_between(work: Working) -> list[FloatArray]:
+    """The force in N on the second sphere of every pair (or on the wall), shape (m, 3), per group; the state stays as it is."""
+    found = []
+    frame = Frame(work.listed.images @ work.cell, np.zeros_like(work.listed.images), np.zeros((3, 3)), work.walls)
+    for group in work.groups:
+        past = Past(*(None if array is None else array.copy() for array in group.past))
+        network = np.zeros((len(group.rows.first), 3))
+        sums = (np.zeros_like(work.force[0]), np.zeros_like(work.torque[0]), np.zeros((3, 3)), np.zeros_like(work.reaction[0]))
+        forces(group.roles, group.rows, past, work.bodies, frame, 0.0, 0, 1, *sums, network, np.zeros(TALLIES))
+        found.append(network)
+    return found

@@ -13,16 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+import dem
 from contactlaws.elastic import Hertz
 from contactlaws.elastoplastic import Thornton
-from dem.box import Box
-from dem.measure import coordination
+from dem.measure import coordination, network
 from dem.motion import Deformation
-from dem.neighbours import neighbours
 from dem.packing import Packing, random_close_packing
-from dem.particles import Particles, spheres
 from dem.timestep import time_step
-from dem.working import Working, follow, working
+from dem.working import Working, follow, relisted, working
 
 RADIUS, DENSITY = 5e-6, 4750.0
 LAWS: tuple[Hertz | Thornton, ...] = (Hertz(RADIUS, 151.47e9), Thornton(RADIUS, 151.47e9, 12.64e9))
@@ -42,31 +40,30 @@ class Speed(NamedTuple):
     list_seconds: float  # CPU seconds for one pair list
 
 
-def _squeezed(law: object, bodies: Particles, packing: Packing, dt: float) -> tuple[Working, Box]:
-    """The packing settled in its smaller box, and that box."""
-    edges, drag = np.array(packing.box.lengths), DRAG / dt
-    work = working(law, bodies, packing.box, 2.0 * RADIUS * SKIN)
-    work, _ = follow(law, work, Deformation(edges, SQUEEZE * edges, SQUEEZING_STEPS, dt, drag), 0, SQUEEZING_STEPS)
-    work, _ = follow(law, work, Deformation(SQUEEZE * edges, SQUEEZE * edges, SETTLING_STEPS, dt, drag), 0, SETTLING_STEPS)
-    x, y, z = (SQUEEZE * edges).tolist()
-    return work, Box((x, y, z))
+def _squeezed(law: object, packing: Packing, dt: float) -> Working:
+    """The packing settled in its smaller box."""
+    bodies, cell, drag = dem.spheres(packing.position, packing.radius, DENSITY), packing.box.cell, DRAG / dt
+    work = working(dem.Scene(bodies, packing.box, dem.Contact(law), (dem.hold(1.0),), skin=SKIN))
+    work, _ = follow(work, Deformation(cell, SQUEEZE * cell, SQUEEZING_STEPS, dt, drag), 0, SQUEEZING_STEPS)
+    work, _ = follow(work, Deformation(SQUEEZE * cell, SQUEEZE * cell, SETTLING_STEPS, dt, drag), 0, SETTLING_STEPS)
+    return work
 
 
 def measure(law: object, packing: Packing, particle_steps: int) -> Speed:
     """Squeeze, then run for at least this many particle-steps and time them."""
-    bodies = spheres(packing.position, packing.radius, DENSITY)
-    dt = time_step(law, bodies, 4.0 * RADIUS * (1.0 - SQUEEZE), TIME_STEP_FRACTION).dt
-    work, box = _squeezed(law, bodies, packing, dt)
-    steps, edges = -(-particle_steps // bodies.size), np.array(box.lengths)
+    count = len(packing.position)
+    dt = time_step(law, dem.spheres(packing.position, packing.radius, DENSITY), 4.0 * RADIUS * (1.0 - SQUEEZE), TIME_STEP_FRACTION).dt
+    work = _squeezed(law, packing, dt)
+    steps, cell = -(-particle_steps // count), work.cell.copy()
     began = time.process_time()
-    work, lists = follow(law, work, Deformation(edges, edges, steps, dt, DRAG / dt), 0, steps)
+    work, lists = follow(work, Deformation(cell, cell, steps, dt, DRAG / dt), 0, steps)
     seconds = time.process_time() - began
-    if not np.isfinite(work.position).all():
+    if not np.isfinite(work.bodies.position).all():
         raise RuntimeError("the motion diverged: nothing was measured")
     began = time.process_time()
-    neighbours(work.position, work.radii, box, work.pairs.skin)
+    relisted(work)
     one_list = time.process_time() - began
-    return Speed(steps * bodies.size / seconds, coordination(work.pairs, work.magnitude)[0], lists, one_list)
+    return Speed(steps * count / seconds, coordination(network(work), count)[0], lists, one_list)
 
 
 def main() -> None:

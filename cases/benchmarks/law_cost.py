@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 import calibration
+import dem
 from calibration.recipes import recipe_for
 from contactlaws import dispatch
 from contactlaws.compiled import kernel
@@ -32,11 +33,9 @@ from contactlaws.rivals.hertz_spring_dashpot import hertz_spring_dashpot
 from contactlaws.rivals.kuwabara_kono import kuwabara_kono
 from contactlaws.rivals.wahn_gan_kamlah import wahn_gan_kamlah
 from contactlaws.whole_range import whole_range_compact
-from dem.box import Box
-from dem.forces import pair_forces
+from dem.measure import network
 from dem.packing import Packing, random_close_packing
-from dem.particles import spheres
-from dem.working import working
+from dem.working import renew_forces, working
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -124,20 +123,18 @@ class _Packed:
     """The packed spheres on one law, to be passed over again and again."""
 
     def __init__(self, law: Any, packing: Packing):
-        x, y, z = (SQUEEZE * edge for edge in packing.box.lengths)
-        self.law, self.work = law, working(law, spheres(SQUEEZE * packing.position, RADIUS, 4750.0), Box((x, y, z)), 0.1 * RADIUS)
-        self.start, self.scale = self.work.position.copy(), 1.0
+        bodies, box = dem.spheres(SQUEEZE * packing.position, RADIUS, 4750.0), packing.box.stretched((SQUEEZE,) * 3)
+        self.work = working(dem.Scene(bodies, box, dem.Contact(law), (dem.hold(1.0),)))
+        self.start, self.cell, self.scale = self.work.bodies.position.copy(), self.work.cell.copy(), 1.0
+        self.contacts = len(network(self.work).first)
 
     def timed(self, way: float) -> float:
         """Scale lengths by one step, then time one pass over all pairs; ns per contact."""
         work, self.scale = self.work, self.scale - way * STEP
-        work.position[:] = self.start * self.scale
-        strain_rate = np.full(3, -way * STEP / TIME_STEP)
-        motion = (work.position, work.velocity, work.radius, work.one_radius, work.pairs.lengths * self.scale, strain_rate, TIME_STEP)
-        contacts = (work.pairs.start, work.pairs.partner, work.pairs.image, work.pairs.images, work.memory, work.magnitude)
+        work.bodies.position[:], work.cell[:] = self.start * self.scale, self.cell * self.scale
         began = time.perf_counter()
-        pair_forces(self.law, *motion, *contacts, work.force, work.virial, work.tally)
-        return (time.perf_counter() - began) / np.count_nonzero(work.magnitude) * 1e9
+        renew_forces(work, -way * STEP / TIME_STEP * np.eye(3), TIME_STEP)
+        return (time.perf_counter() - began) / self.contacts * 1e9
 
 
 def measure(laws: Mapping[str, Any]) -> dict[str, Cost]:

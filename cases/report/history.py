@@ -19,16 +19,20 @@ UNITS = {
     "strain_x": "1",
     "strain_y": "1",
     "strain_z": "1",
-    "stress_xx": "Pa",
-    "stress_yy": "Pa",
-    "stress_zz": "Pa",
+    **{f"shear_{plane}": "1" for plane in ("xy", "xz", "yz")},
+    **{f"stress_{a}{b}": "Pa" for a in "xyz" for b in "xyz"},
+    **{f"fabric_{a}{b}": "1" for a in "xyz" for b in "xyz"},
     "coordination_number": "1",
     "coordination_number_held": "1",
     "rattlers": "1",
     "packing_fraction": "1",
+    "contacts_beyond": "1",
     "kinetic": "J",
     "stored": "J",
+    "sheared": "J",
     "dissipated": "J",
+    "rubbed": "J",
+    "dashed": "J",
     "damped": "J",
     "boundary_work": "J",
     "balance": "1",
@@ -39,10 +43,10 @@ def columns(trajectory: Any) -> dict[str, npt.NDArray[Any]]:
     """The table's columns from a trajectory of `dem.run`."""
     found = {name: getattr(trajectory, name) for name in UNITS if hasattr(trajectory, name)}
     found |= {f"strain_{axis}": trajectory.strain[:, i] for i, axis in enumerate("xyz")}
-    found |= {f"stress_{axis}{axis}": trajectory.stress[:, i, i] for i, axis in enumerate("xyz")}
-    found |= {
-        name: getattr(trajectory.energies, name) for name in ("kinetic", "stored", "dissipated", "damped", "boundary_work", "balance")
-    }
+    found |= {name: getattr(trajectory.energies, name) for name, unit in UNITS.items() if unit == "J" or name == "balance"}
+    found |= {f"shear_{plane}": trajectory.shear[:, i] for i, plane in enumerate(("xy", "xz", "yz"))}
+    found |= {f"stress_{a}{b}": trajectory.stress[:, i, j] for i, a in enumerate("xyz") for j, b in enumerate("xyz")}
+    found |= {f"fabric_{a}{b}": trajectory.fabric[:, i, j] for i, a in enumerate("xyz") for j, b in enumerate("xyz")}
     return {name: np.asarray(found[name]) for name in UNITS}
 
 

@@ -10,11 +10,10 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+import dem
 from contactlaws.elastic import Hertz
-from dem.box import Box
-from dem.forces import pair_forces
-from dem.particles import spheres
-from dem.working import Working, working
+from dem.measure import network
+from dem.working import Working, renew_forces, working
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -46,8 +45,8 @@ def costs(laws: Mapping[str, Any], edge: int = EDGE, repeats: int = REPEATS) -> 
     best = {name: np.full(2, np.inf) for name in field}
     scenes = {name: _scene(law, edge) for name, law in field.items()}
     for _ in range(repeats):
-        for name, law in field.items():
-            best[name] = np.minimum(best[name], _timed(law, scenes[name]))
+        for name in field:
+            best[name] = np.minimum(best[name], _timed(scenes[name]))
     return {name: Cost(*best[name].tolist(), *(best[name] / best[""]).tolist()) for name in laws}
 
 
@@ -58,24 +57,28 @@ def _scene(law: Any, edge: int) -> Working:
     points = np.stack(np.meshgrid(*3 * (np.arange(edge),), indexing="ij"), axis=-1).reshape(-1, 3) * spacing
     points = points + OFF * law.radius * random.uniform(-1.0, 1.0, points.shape)
     length = edge * spacing
-    return working(law, spheres(points, law.radius, 1.0), Box((length, length, length)), 0.05 * law.radius)
+    bodies, box = dem.spheres(points, law.radius, 1.0), dem.Box((length, length, length))
+    return working(dem.Scene(bodies, box, dem.Contact(law), (dem.hold(1.0),), skin=0.025))
 
 
-def _timed(law: Any, scene: Working) -> FloatArray:
+def _timed(scene: Working) -> FloatArray:
     """Nanoseconds per contact and step, loading and unloading."""
-    memory = None if scene.memory is None else np.zeros_like(scene.memory)
+    memory = scene.groups[0].past.memory
+    if memory is not None:
+        memory[:] = 0.0
     down = np.linspace(1.0, END / START, STEPS)
     up = down[-1] + (1.0 - down[-1]) * RELIEF * np.linspace(0.05, 1.0, STEPS)
-    return np.array([_pressed(law, scene, memory, scales) for scales in (down, up)])
+    return np.array([_pressed(scene, scales) for scales in (down, up)])
 
 
-def _pressed(law: Any, scene: Working, memory: FloatArray | None, scales: FloatArray) -> float:
-    pairs, spent, contacts = scene.pairs, 0.0, 0
+def _pressed(scene: Working, scales: FloatArray) -> float:
+    spent, contacts = 0.0, 0
+    start, cell = scene.bodies.position.copy(), scene.cell.copy()
     for scale in scales.tolist():
-        motion = (scene.position * scale, scene.velocity, scene.radius, scene.one_radius, pairs.lengths * scale, np.zeros(3), 1.0)
-        listed = (pairs.start, pairs.partner, pairs.image, pairs.images, memory, scene.magnitude)
+        scene.bodies.position[:], scene.cell[:] = start * scale, cell * scale
         began = time.thread_time()
-        pair_forces(law, *motion, *listed, scene.force, scene.virial, scene.tally)
+        renew_forces(scene, dt=1.0)
         spent += time.thread_time() - began
-        contacts += int(np.count_nonzero(scene.magnitude))
+        contacts += len(network(scene).first)
+    scene.bodies.position[:], scene.cell[:] = start, cell
     return spent / max(contacts, 1) * 1e9

@@ -73,15 +73,15 @@ def test_no_share_changes_small_overlaps(one: tuple[Material, float], two: tuple
     laws = [Thornton(body.radius, body.material.reduced_modulus, pressure) for body in (half, other)]
     largest = depth * min(r1, r2)
     _, state = pair.pair_force(laws[0], 1.0, largest, 0.0, 0.0, (0.0,))
-    _, shared = pair.shared_force(laws[1], share, largest, 0.0, 0.0, (0.0,))
+    _, shared = pair.pair_force(laws[1], 1.0, largest, 0.0, 0.0, (0.0,), share)
     for overlap in (largest, 0.99 * largest):
         equal = pair.pair_force(laws[0], 1.0, overlap, 0.0, 0.0, state)[0], *pair.pair_energy(laws[0], 1.0, overlap, state)
-        found = pair.shared_force(laws[1], share, overlap, 0.0, 0.0, shared)[0], *pair.shared_energy(laws[1], share, overlap, shared)
+        found = pair.pair_force(laws[1], 1.0, overlap, 0.0, 0.0, shared, share)[0], *pair.pair_energy(laws[1], 1.0, overlap, shared, share)
         scale = (equal[0], *[max(equal[1:])] * 2)
         assert found == pytest.approx(equal, rel=1e-9, abs=1e-9 * max(scale[1], 1e-300))  # energies are differences of larger ones
-        radii = pair.pair_contact_radius(laws[0], 1.0, overlap, state), pair.shared_contact_radius(laws[1], share, overlap, shared)
+        radii = pair.pair_contact_radius(laws[0], 1.0, overlap, state), pair.pair_contact_radius(laws[1], 1.0, overlap, shared, share)
         assert radii[0] == pytest.approx(radii[1], rel=1e-9)
-    bounds = pair.pair_stiffness_bound(laws[0], 1.0, largest), pair.shared_stiffness_bound(laws[1], share, largest)
+    bounds = pair.pair_stiffness_bound(laws[0], 1.0, largest), pair.pair_stiffness_bound(laws[1], 1.0, largest, share)
     assert bounds[0] == pytest.approx(bounds[1], rel=1e-9)
 
 

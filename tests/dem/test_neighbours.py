@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dem.box import Box, wrapped
-from dem.neighbours import PairList, carried_over, neighbours, pair_keys
+from dem.neighbours import PairList, codes_of, neighbours, rows_before
 
 
 def brute_force(position: np.ndarray, radii: np.ndarray, box: Box, skin: float) -> set[tuple[int, int, tuple[int, ...]]]:
@@ -85,12 +85,29 @@ def test_memory_follows_its_pair_through_lists() -> None:
     position = rng.uniform(-1.0, 2.0, (30, 3))
     old = neighbours(position, radii, box, 0.05)
     new = neighbours(position + rng.uniform(-0.05, 0.05, position.shape), radii, box, 0.1)
-    memory = rng.random((len(old.partner), 2))
-    fresh, homeless = carried_over(old, memory, new)
-    kept = dict(zip(pair_keys(new, 9).tolist(), fresh.tolist(), strict=True))
-    for row, key in enumerate(pair_keys(old, 9).tolist()):
-        assert (kept.get(key) == memory[row].tolist()) != (row in homeless)
-    assert np.count_nonzero(fresh[:, 0]) == len(old.partner) - len(homeless)
+    names = [list(zip(p.first.tolist(), p.partner.tolist(), map(tuple, p.images[p.image].tolist()), strict=True)) for p in (old, new)]
+    source = rows_before(*((p.first, p.partner, codes_of(p.images)[p.image]) for p in (old, new)), 30)
+    assert [names[0].index(name) if name in names[0] else -1 for name in names[1]] == source.tolist()
+    assert 0 < (source >= 0).sum() < len(source)
+
+
+@pytest.mark.parametrize("angle", [0.3, -0.7, 5.2])
+def test_a_sheared_box_finds_the_pairs_of_the_same_lattice(angle: float) -> None:
+    """Against images written out one by one; tilted so far that an edge leans over several boxes."""
+    rng = np.random.default_rng(7)
+    box, radii = Box((1.0, 0.8, 1.2)).stretched((1.0, 1.0, 1.0), (0.0, angle, -0.3)), np.full(20, 0.11)
+    position = rng.uniform(-1.0, 2.0, (20, 3)) @ box.cell
+    listed = as_set(neighbours(position, radii, box, 0.02))
+    inside = np.floor(position @ np.linalg.inv(box.cell))
+    found = set()
+    reach = range(-9, 10)
+    for image in np.array(list(itertools.product(reach, range(-2, 3), range(-2, 3)))):
+        between = (position - inside @ box.cell)[None] + image @ box.cell - (position - inside @ box.cell)[:, None]
+        for i, j in np.argwhere(np.linalg.norm(between, axis=2) <= 0.24).tolist():
+            if i < j or (i == j and tuple(image.tolist()) > (0, 0, 0)):
+                found.add((i, j, tuple((image + inside[i] - inside[j]).astype(int).tolist())))
+    as_one = {(i, j, max(image, tuple(-k for k in image))) if i == j else (i, j, image) for i, j, image in listed}
+    assert as_one == found
 
 
 @pytest.mark.parametrize("periodic", [(True, True, True), (False, True, False), (False, False, False)])

@@ -17,6 +17,7 @@ import dem
 from contactlaws.elastic import Hertz
 from contactlaws.elastoplastic import Thornton
 from contactlaws.errors import InputError
+from contactlaws.tangential import Rolling
 from dem.packing import Packing
 from dem.trajectory import Trajectory
 
@@ -145,8 +146,17 @@ def test_too_large_a_step_is_noticed(hertz: Hertz, shaken_crystal: Packing) -> N
 
 
 BAD = {
-    "tangential": {"contact": dem.Contact(Hertz(RADIUS, 1e11), tangential="mindlin")},
-    "damping": {"contact": dem.Contact(Hertz(RADIUS, 1e11), damping=0.1)},
+    "tangential": {"contact": dem.Contact(Hertz(RADIUS, 1e11), tangential="mindlin")},  # type: ignore[arg-type]
+    "damping": {"contact": dem.Contact(Hertz(RADIUS, 1e11), damping=0.1)},  # type: ignore[arg-type]
+    "needs friction": {"contact": dem.Contact(Hertz(RADIUS, 1e11), rolling=Rolling(0.1))},
+    "share": {"contact": dem.Contact(Hertz(RADIUS, 1e11), share=0.0)},
+    "no wall there": {"walls": (True, False, False)},
+    "density_scaling": {"density_scaling": 0.0},
+    "moving_walls": {"moving_walls": 2.0},
+    "carry": {"carry": ("everything",)},
+    "threads": {"threads": 0},
+    "compression is positive": {"programme": (dem.confined(-1.0),)},
+    "carries the particles along": {"programme": (dem.simple_shear(0.1),), "affine": False},
     "is no registered law": {"contact": dem.Contact("hertz")},
     "finite float": {"contact": dem.Contact(Hertz(RADIUS, math.nan))},
     "must be positive": {"contact": dem.Contact(Hertz(-RADIUS, 1e11))},
