@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws.compiled import kernel
+from contactlaws.errors import InputError, Problem
 from dem.box import Box
 
 IntArray = npt.NDArray[np.int64]
@@ -130,8 +131,11 @@ def worst_overlap(position: FloatArray, radius: float | FloatArray, box: Box) ->
     """The largest overlap of two spheres, or of one with its own image, over the sum of their radii; negative where all have a gap.
 
     position: m, shape (n, 3); they may lie outside the box along its periodic axes. Right for boxes of any width: where a box is too narrow
-    for the nearest image to be the only one that counts, it is doubled. A sphere alone in an open box has -inf.
+    for the nearest image to be the only one that counts, it is doubled. A sphere alone in an open box has -inf. Raises `InputError` for a
+    tilted box.
     """
+    if any(box.tilt):
+        raise InputError(Problem("box tilt", box.tilt, "overlaps are measured in cuboids", "shear the packing back"))
     radii = np.broadcast_to(np.asarray(radius, dtype=float), (len(position),))
     if len(position) == 0:
         return -math.inf

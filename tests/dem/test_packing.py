@@ -203,3 +203,8 @@ def test_bounds_of_radii_are_checked() -> None:
     for draw in (lambda: uniform_radii(3, 2.0, 1.0), lambda: uniform_radii(3, -1.0, 1.0), lambda: lognormal_radii(0, 1.0, 0.1)):
         with pytest.raises(InputError):
             draw()
+
+
+def test_overlaps_in_a_tilted_box_are_not_guessed() -> None:
+    with pytest.raises(InputError, match="cuboid"):
+        worst_overlap(np.zeros((1, 3)), 1.0, Box((4.0, 4.0, 4.0), tilt=(1.0, 0.0, 0.0)))
