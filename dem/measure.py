@@ -79,6 +79,11 @@ def network(work: Working) -> Network:
     return Network(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
+def largest_overlap(work: Working) -> float:
+    """Deepest overlap in m of any contact; 0 if nothing touches."""
+    return max((float(pair_geometry(work, group)[1].max(initial=0.0)) for group in work.groups), default=0.0)
+
+
 class Energies(NamedTuple):
     """In J, one value per output."""
 

@@ -121,13 +121,19 @@ def overlap_problems(scene: Scene, overlap: float) -> Iterator[Problem]:
         yield Problem("overlap at the start", overlap, bound, "pack them first")
 
 
-def reference_pressure(scene: Scene, strain: float) -> float:
-    """Effective-medium estimate in Pa of the pressure when every sphere is pressed by `strain`: phi z F/(4 pi R^2)."""
+def typical_force(scene: Scene, strain: float | None = None) -> float:
+    """Force in N of a contact whose spheres of the mean radius are pressed by `strain`; None: by the largest of the programme."""
     law, radius = scene.contact.normal, float(np.mean(scene.particles.radii))
+    strain = (largest_strain(scene) or SERVO_STRAIN) if strain is None else strain
     state = dispatch.initial_state(law)
     force, _ = pair.pair_force(law, pair.pair_scale(law, radius, radius), 2.0 * radius * strain, 0.0, 0.0, state)
-    fraction = scene.particles.solid_volume / scene.box.volume
-    return fraction * EXPECTED_CONTACTS * float(force) / (4.0 * math.pi * radius * radius)
+    return float(force)
+
+
+def reference_pressure(scene: Scene, strain: float) -> float:
+    """Effective-medium estimate in Pa of the pressure when every sphere is pressed by `strain`: phi z F/(4 pi R^2)."""
+    radius, fraction = float(np.mean(scene.particles.radii)), scene.particles.solid_volume / scene.box.volume
+    return fraction * EXPECTED_CONTACTS * typical_force(scene, strain) / (4.0 * math.pi * radius * radius)
 
 
 def inertial_time(scene: Scene) -> float:
@@ -147,7 +153,9 @@ def largest_strain(scene: Scene) -> float:
 
 
 def durations(scene: Scene) -> tuple[float, ...]:
-    """Duration in s of each stage, those left open from the inertial number."""
+    """Duration in s of each stage, those left open from the inertial number; 1 s in the quasi-static routine, which knows no inertia."""
+    if scene.quasi_static is not None:
+        return tuple(1.0 if stage.duration is None else stage.duration for stage in scene.programme)
     return tuple(
         stage.duration if stage.duration is not None else change * inertial_time(scene) / scene.inertial_number
         for stage, change in zip(scene.programme, changes(scene), strict=True)
@@ -195,6 +203,10 @@ def left_out(scene: Scene, work: Working) -> tuple[str, ...]:
 
 def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
     """How the box moves and how fast, one line per stage in which it does."""
+    if scene.quasi_static is not None:
+        along = "carries the particles along" if scene.affine else "leaves the particles where they are"
+        settings = scene.quasi_static
+        return (f"quasi-static: strain steps of at most {settings.strain_step:g}, rest by {settings.method}; the box {along} in each step",)
     lines = ["the box deforms affinely and carries the particles along (SLLOD); velocities and kinetic energy are relative to it"]
     for number, (change, duration, drag) in enumerate(zip(changes(scene), durations, drags(scene), strict=True)):
         if change == 0.0 or not scene.particles.size:
@@ -209,7 +221,7 @@ def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
 
 def rate_warnings(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
     """Stages too fast for a quasi-static answer."""
-    if not scene.particles.size:
+    if not scene.particles.size or scene.quasi_static is not None:
         return ()
     moving = ((change, duration) for change, duration in zip(changes(scene), durations, strict=True) if change > 0.0)
     numbers = [change / duration * inertial_time(scene) for change, duration in moving]

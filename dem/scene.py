@@ -80,6 +80,18 @@ def confined(pressure: float, duration: float | None = None) -> Stage:
     return Stage((1.0, 1.0, 1.0), duration, stress=(pressure,) * 3)
 
 
+class QuasiStatic(NamedTuple):
+    """How the quasi-static routine goes: strain steps, and what counts as rest."""
+
+    strain_step: float = 1e-3  # largest change of an edge, or of a shear, between two states of rest
+    method: str = "fire"  # or "damped": damped dynamics, for comparison
+    force: float = 1e-3  # largest force on a sphere over the mean contact force, or a tenth of that of the largest strain if that is more
+    kinetic: float = 1e-5  # kinetic energy of the search over that stored in contacts
+    displacement: float = 1e-5  # largest way in the last iteration over the smallest radius
+    most: int = 50_000  # iterations
+    look: int = 50  # iterations between two looks at whether all is at rest
+
+
 @dataclass(frozen=True)
 class Scene:
     """A whole simulation; two equal scenes give the same result to the last bit on the same number of threads."""
@@ -93,6 +105,7 @@ class Scene:
     wall_contact: tuple[Contact, ...] | None = None  # of each kind; None: its own law on a rigid flat
     moving_walls: float = 0.0  # share of an edge's change that its lower wall makes: 0 the upper moves, 1 the lower, 0.5 both
     affine: bool = True  # whether the box carries the particles along as it deforms; if not, only its images and walls move
+    quasi_static: QuasiStatic | None = None  # a sequence of states of rest; None: motion in time
     outputs: int = 60  # recorded states per stage
     frames: int = 6  # of these, states whose positions are kept
     inertial_number: float = 1e-4  # of stages without a duration; the cost goes with its inverse

@@ -19,10 +19,11 @@ from contactlaws.version import code_version
 from dem import checkpoint as disk
 from dem import requirements
 from dem.forces import LARGEST
-from dem.measure import pair_geometry
+from dem.measure import largest_overlap
 from dem.motion import Deformation
+from dem.quasi_static import step_to, step_to_stress
 from dem.record import COLUMNS, Beyond, Frame, deepest_beyond, in_scene_order, observe, pressures
-from dem.scene import Scene, Stage, law_bytes
+from dem.scene import QuasiStatic, Scene, Stage, law_bytes
 from dem.timestep import TimeStep, collision_overlap, scene_time_step
 from dem.trajectory import Trajectory, trajectory
 from dem.working import Working, arrays_of, follow, with_arrays, working
@@ -36,6 +37,8 @@ NON_AFFINE = 2.0
 SERVO_BAND = 0.05
 #: how many times longer than the cautious step an adaptive one may become
 LONGER = 10.0
+#: contact force that counts in a quasi-static scene, over that of the largest strain
+LOAD_SHARE = 0.1
 #: CPU seconds between two checkpoints
 CHECKPOINT_EVERY = 5.0
 
@@ -87,15 +90,25 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
         _write_down(scene, work, plan, log, 0.0, 0)
     for number in range(len(log.rows), total + 1):
         stage, part = divmod(number - 1, scene.outputs)
-        deformation = _interval(scene, work, plan, stage, part)
-        work, lists = follow(work, deformation, 0, deformation.steps, scene.moving_walls)
-        stopped = _end_of(work, number, deformation.dt)
+        if scene.quasi_static is None:
+            deformation = _interval(scene, work, plan, stage, part)
+            work, lists = follow(work, deformation, 0, deformation.steps, scene.moving_walls)
+            steps, dt, lost = deformation.steps, deformation.dt, None
+        else:
+            work, steps, lost = _rested(scene, work, plan, scene.quasi_static, stage, part)
+            dt, lists = plan.durations[stage] / scene.outputs, 0
+        stopped = _end_of(work, number, dt)
         if stopped is not None:
             break
-        log.counts["steps"] += deformation.steps
+        log.counts["steps"] += steps
         log.counts["pair_lists"] += lists
         log.counts["cpu_seconds"] = before + clock.process_time() - began
-        _write_down(scene, work, plan, log, deformation.dt, number)
+        if lost is not None:
+            stopped = f"no rest was found for output {number}: {lost}; its row and frame are those of the state that was reached"
+            plan = plan._replace(kept=plan.kept | {number})
+        _write_down(scene, work, plan, log, dt, number)
+        if stopped is not None:
+            break
         if path is not None and (clock.process_time() - saved > CHECKPOINT_EVERY or number == total):
             disk.save(path, identity, *_saved(work, log))
             saved = clock.process_time()
@@ -113,6 +126,31 @@ def _end_of(work: Working, number: int, dt: float) -> str | None:
     if deepest >= 1.0:
         return f"before output {number} a sphere was pressed by {deepest:.3g} of its radius, where the body ends: load less, or slower"
     return None
+
+
+def _rested(scene: Scene, work: Working, plan: Plan, settings: QuasiStatic, stage: int, part: int) -> tuple[Working, int, str | None]:
+    """Go from one output to the next by states of rest; also the iterations it took, and what went wrong."""
+    start, end = (_cell(scene, stage, (part + k) / scene.outputs) for k in (0, 1))
+    asked, duration, iterations = scene.programme[stage].stress, plan.durations[stage] / scene.outputs, 0
+    change = max(float(np.abs(np.linalg.solve(start, end) - np.eye(3)).max()), 0.0)
+    load = LOAD_SHARE * requirements.typical_force(scene)
+
+    def critical(overlap: float) -> float:
+        return scene_time_step(scene, overlap, 1.0).critical
+
+    parts = max(1, math.ceil(change / settings.strain_step * (1.0 - 1e-9)))
+    for k in range(parts):
+        if any(stress is not None for stress in asked):
+            share = (part + (k + 1) / parts) / scene.outputs
+            target = tuple(None if stress is None else stress * share for stress in asked)
+            work, rest = step_to_stress(work, target, duration / parts, scene.affine, critical, load, settings)
+        else:
+            cell = end if k + 1 == parts else start + (end - start) * ((k + 1) / parts)
+            work, rest = step_to(work, cell, duration / parts, scene.affine, critical, load, settings)
+        iterations += rest.iterations
+        if not rest.found:
+            return work, iterations, rest.report
+    return work, iterations, None
 
 
 def _cell(scene: Scene, stage: int, share: float) -> FloatArray:
@@ -202,11 +240,6 @@ def _restored(scene: Scene, work: Working, numbers: dict[str, Any], arrays: dict
     frames = [Frame(int(output), rows[int(output)][0], scene.box.with_cell(cell), *same, *rest) for output, cell, *rest in own]
     beyond = [Beyond(int(a), int(b), c, d, tuple(e)) for a, b, c, d, e in numbers["beyond"]]
     return work, Log(rows, frames, beyond, numbers["counts"])
-
-
-def largest_overlap(work: Working) -> float:
-    """Deepest overlap in m of any contact; 0 if nothing touches."""
-    return max((float(pair_geometry(work, group)[1].max(initial=0.0)) for group in work.groups), default=0.0)
 
 
 def _line(row: list[float]) -> str:
