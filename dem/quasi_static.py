@@ -321,7 +321,7 @@ def _rest(work: Working, search: Search, iteration: int, settings: QuasiStatic) 
 def step_to_stress(
     work: Working, target: tuple[float | None, ...], duration: float, affine: bool, critical: Critical, load: float, settings: QuasiStatic
 ) -> tuple[Working, Rest]:
-    """Move the edges under stress control until they carry `target` (Pa per axis, None: leave it), by Broyden's method, with rest in between."""
+    """Move edges until they carry `target` (Pa per axis, None: leave that one), by Broyden's method, with rest in between."""
     controlled = np.flatnonzero([stress is not None for stress in target])
     wanted = np.array([target[axis] for axis in controlled], dtype=float)
     stiffness: FloatArray | None = None
@@ -333,7 +333,7 @@ def step_to_stress(
             return work, rest._replace(iterations=iterations)
         strain = np.sign(missing) * settings.strain_step
         if stiffness is not None and abs(np.linalg.det(stiffness)) > 0.0:
-            strain = np.linalg.solve(stiffness, missing)
+            strain = np.asarray(np.linalg.solve(stiffness, missing), dtype=np.float64)
             strain *= min(1.0, settings.strain_step / float(np.abs(strain).max()))
         stretch = np.ones(3)
         stretch[controlled] -= strain
