@@ -20,7 +20,7 @@ IntArray = npt.NDArray[np.int64]
 
 
 class PairList(NamedTuple):
-    """Half list: each pair once, sorted by its first particle."""
+    """Half list: each pair once."""
 
     first: IntArray  # i, shape (m,)
     partner: IntArray  # j >= i, shape (m,)
@@ -45,20 +45,22 @@ def neighbours(position: FloatArray, radii: FloatArray, box: Box, skin: float) -
     order = np.argsort(cell, kind="stable")
     occupants = np.searchsorted(cell[order], np.arange(cells.prod() + 1))
     span = np.ceil(reach / (width * heights / cells)).astype(np.int64)
-    inside = position - wraps @ upright
-    grid = (inside, radii, upright, periodic, skin, cells, span, home, order, occupants)
-    start = np.zeros(count + 1, np.int64)
-    _visit(*grid, start, None, None)
-    start = np.cumsum(start)
-    partner, found = np.empty(start[-1], np.int64), np.empty((start[-1], 3), np.int64)
-    _visit(*grid, start, partner, found)
-    first = np.repeat(np.arange(count), np.diff(start))
-    # from images of wrapped positions in the upright cell to images of the positions as they are in the box's
-    found = (found + wraps[first] - wraps[partner]) @ turns
-    codes, image = np.unique(codes_of(found), return_inverse=True)
-    return PairList(first, partner, image.reshape(-1), images_of(codes))
+    inside = (position - wraps @ upright)[order]
+    grid = (inside, radii[order], upright, periodic, skin, cells, span, home[order], occupants, order, wraps[order], turns)
+    room, kinds = PAIRS_EXPECTED * count + PAIRS_EXPECTED, IMAGES_EXPECTED
+    while True:
+        pairs, codes = np.empty((3, room), np.int64), np.zeros(kinds, np.int64)
+        size, different = _visit(*grid, pairs, codes)
+        if size <= room and different <= kinds:
+            break
+        room, kinds = max(room, size), max(kinds, 2 * different)
+    return PairList(pairs[0, :size].copy(), pairs[1, :size].copy(), pairs[2, :size].copy(), images_of(codes[:different]))
 
 
+#: per particle, to begin with
+PAIRS_EXPECTED = 7
+#: different images, to begin with
+IMAGES_EXPECTED = 64
 #: images are told apart by one number: their three counts of edges, each from -BASE/2 to BASE/2
 BASE = 1 << 20
 
@@ -86,42 +88,60 @@ def upright_cell(box: Box) -> tuple[FloatArray, IntArray]:
 
 
 @kernel
-def _visit(inside, radii, cell_vectors, periodic, skin, cells, span, home, order, occupants, start, partner, found):  # type: ignore[no-untyped-def]
-    """Count the pairs of i in start[i + 1] (partner None), or write them from row start[i] on."""
+def _visit(  # type: ignore[no-untyped-def]
+    inside, radii, cell_vectors, periodic, skin, cells, span, home, occupants, order, wraps, turns, pairs, codes
+):
+    """Write first, partner and row of the image of each pair as far as there is room; return how many pairs and images there are.
+
+    Particles come in the order of their cells. Of two cells only one looks into the other: the one from which the other lies ahead along x,
+    or y, or z. A pair is named from its lower number, and from the image ahead if a particle meets itself.
+    """
+    row, different = 0, 0
+    k = np.zeros(3, np.int64)
     for i in range(len(inside)):
-        row = start[i] if partner is not None else 0
-        for a in range(home[i, 0] - span[0], home[i, 0] + span[0] + 1):
+        for a in range(home[i, 0], home[i, 0] + span[0] + 1):
             sx = a // cells[0]
             if sx != 0 and not periodic[0]:
                 continue
             for b in range(home[i, 1] - span[1], home[i, 1] + span[1] + 1):
                 sy = b // cells[1]
-                if sy != 0 and not periodic[1]:
+                if (sy != 0 and not periodic[1]) or (a == home[i, 0] and b < home[i, 1]):
                     continue
                 for c in range(home[i, 2] - span[2], home[i, 2] + span[2] + 1):
                     sz = c // cells[2]
-                    if sz != 0 and not periodic[2]:
+                    level = a == home[i, 0] and b == home[i, 1]
+                    if (sz != 0 and not periodic[2]) or (level and c < home[i, 2]):
                         continue
                     cell = ((a - sx * cells[0]) * cells[1] + b - sy * cells[1]) * cells[2] + c - sz * cells[2]
                     x = sx * cell_vectors[0, 0] + sy * cell_vectors[1, 0] + sz * cell_vectors[2, 0] - inside[i, 0]
                     y = sy * cell_vectors[1, 1] + sz * cell_vectors[2, 1] - inside[i, 1]
                     z = sz * cell_vectors[2, 2] - inside[i, 2]
-                    for k in range(occupants[cell], occupants[cell + 1]):
-                        j = order[k]
-                        if j < i or (j == i and not (sx > 0 or (sx == 0 and (sy > 0 or (sy == 0 and sz > 0))))):
-                            continue
+                    begin = i + 1 if level and c == home[i, 2] else occupants[cell]
+                    for j in range(begin, occupants[cell + 1]):
                         dx, dy, dz = inside[j, 0] + x, inside[j, 1] + y, inside[j, 2] + z
                         limit = radii[i] + radii[j] + skin
                         if dx * dx + dy * dy + dz * dz > limit * limit:
                             continue
-                        if partner is not None:
-                            partner[row] = j
-                            found[row, 0] = sx
-                            found[row, 1] = sy
-                            found[row, 2] = sz
+                        if row < pairs.shape[1]:
+                            # from images of wrapped positions in the upright cell to images of the positions as they are in the box's
+                            ix, iy, iz = sx + wraps[i, 0] - wraps[j, 0], sy + wraps[i, 1] - wraps[j, 1], sz + wraps[i, 2] - wraps[j, 2]
+                            for m in range(3):
+                                k[m] = ix * turns[0, m] + iy * turns[1, m] + iz * turns[2, m]
+                            one, other = order[i], order[j]
+                            ahead = k[0] > 0 or (k[0] == 0 and (k[1] > 0 or (k[1] == 0 and k[2] > 0)))
+                            if one > other or (one == other and not ahead):
+                                one, other, k[0], k[1], k[2] = other, one, -k[0], -k[1], -k[2]
+                            code = ((k[0] + BASE // 2) * BASE + k[1] + BASE // 2) * BASE + k[2] + BASE // 2
+                            image = 0
+                            while image < min(different, len(codes)) and codes[image] != code:
+                                image += 1
+                            if image == different:
+                                different += 1
+                            if image < len(codes):
+                                codes[image] = code
+                            pairs[0, row], pairs[1, row], pairs[2, row] = one, other, image
                         row += 1
-        if partner is None:
-            start[i + 1] = row
+    return row, different
 
 
 def cell_order(position: FloatArray, radii: FloatArray) -> IntArray:
