@@ -93,7 +93,7 @@ class Result(NamedTuple):
 
     ours: tuple[Speed, Speed]  # on one core and on two
     theirs: dict[str, list[Speed]]  # by the name of the style; on two cores only with `mpiexec`
-    work: Working  # where ours ended
+    work: Working  # where ours ended, on one thread
     steps: int
 
 
@@ -137,7 +137,7 @@ def measure(name: str, count: int, steps: int, repeats: int, programs: Programs 
     ours: list[list[tuple[float, int]]] = [[], []]
     theirs: dict[str, list[list[tuple[float, int]]]] = {}
     for _ in range(repeats):
-        for scene, found in zip(scenes, ours, strict=True):
+        for scene, found in zip(reversed(scenes), reversed(ours), strict=True):  # the state of one thread is the last
             seconds, lists, work = our_run(scene, dt, steps)
             found.append((seconds, lists))
         for rival in comparison.rivals if programs else ():
