@@ -92,21 +92,23 @@ def tangential_stiffness(law, contact_radius):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def dragged(stiffness, limit, share, turn, n, way, old):  # type: ignore[no-untyped-def]
+def dragged(stiffness, limit, radius, radius_before, turn, n, way, old):  # type: ignore[no-untyped-def]
     """A force (or moment) in the contact's plane after a `way` (or angle), both vectors; and the work done on it.
 
-    `old` is the force before: it is brought into the plane across the unit vector `n` at its length, turned about it by the angle `turn`,
-    and only its `share` stays. The result is at most `limit`.
+    `old` is the force before: it is brought into the plane across the unit vector `n`, turned about it by the angle `turn`, and keeps its
+    length, less as the contact's `radius` shrinks. The result is at most `limit`. Squares are compared: one root and one division for each
+    length.
     """
     out = old[0] * n[0] + old[1] * n[1] + old[2] * n[2]
     x, y, z = old[0] - out * n[0], old[1] - out * n[1], old[2] - out * n[2]
     before = old[0] * old[0] + old[1] * old[1] + old[2] * old[2]
-    length = share * math.sqrt(before / max(x * x + y * y + z * z, SMALLEST))
+    left, had = min(radius, radius_before) ** 2, radius_before * radius_before
+    length = math.sqrt(before * left / max((x * x + y * y + z * z) * had * (1.0 + turn * turn), SMALLEST))
     x, y, z = length * x, length * y, length * z
     x, y, z = x + turn * (n[1] * z - n[2] * y), y + turn * (n[2] * x - n[0] * z), z + turn * (n[0] * y - n[1] * x)
     out = way[0] * n[0] + way[1] * n[1] + way[2] * n[2]
     wx, wy, wz = way[0] - out * n[0], way[1] - out * n[1], way[2] - out * n[2]
     fx, fy, fz = x + stiffness * wx, y + stiffness * wy, z + stiffness * wz
-    most = min(1.0, limit / math.sqrt(max(fx * fx + fy * fy + fz * fz, SMALLEST)))
+    most = math.sqrt(min(1.0, limit * limit / max(fx * fx + fy * fy + fz * fz, SMALLEST)))
     fx, fy, fz = most * fx, most * fy, most * fz
     return (fx, fy, fz), 0.5 * ((x + fx) * wx + (y + fy) * wy + (z + fz) * wz)

@@ -25,13 +25,14 @@ IndexArray = npt.NDArray[np.uint32]
 LOST, SHEARED, DAMPED, LARGEST, DRAGGED, WORK = range(6)
 TALLIES = 6
 #: pairs taken at a time: the buffers stay in the first cache
-BLOCK, COLUMNS = 64, 32
+BLOCK, COLUMNS = 64, 37
 #: below any distance; keeps two centres in one place from a division by zero
 NEAREST = 1e-150
 ONE = np.uint64(1)  # unsigned indices: numba then needs no test for negative ones
 #: columns of a block: centre to centre; relative velocity; half the spins; relative spin; force and moment on the second; the rest
 D, V, C, W, G, T, M = 0, 3, 6, 9, 12, 15, 18
-OVERLAP, INVERSE, NORMAL, RADIUS, MASS, CONTACT, RADIUS_1, RADIUS_2 = range(21, 29)
+OVERLAP, INVERSE, NORMAL, MASS, CONTACT, RADIUS_1, RADIUS_2 = range(21, 28)
+SLIP, ROLL, HAD, TURN = 28, 32, 35, 36
 
 #: sums over contacts may be taken in any order, fixed by the compiler; products may be fused with sums
 block_kernel = partial(kernel, fastmath=frozenset({"reassoc", "contract", "nsz"}))
@@ -118,7 +119,19 @@ def pair_forces(  # type: ignore[no-untyped-def]
     if image is None:
         reach, scale, equal_mass = one_radius, pair.wall_scale(law, one_radius), one_mass
     lost, sheared, damped, largest = 0.0, 0.0, 0.0, 0.0
+    shrinking, turning = False, 0.0
+    if tangential is not None:
+        shrinking, turning = tangential.shrinking, 1.0 if tangential.turning else 0.0
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    xx_rate, xy_rate, xz_rate = gradient[0, 0], gradient[0, 1], gradient[0, 2]
+    yx_rate, yy_rate, yz_rate = gradient[1, 0], gradient[1, 1], gradient[1, 2]
+    zx_rate, zy_rate, zz_rate = gradient[2, 0], gradient[2, 1], gradient[2, 2]
+    carried, drifting = False, False
+    for a in range(3):
+        for b in range(3):
+            carried = carried or gradient[a, b] != 0.0
+        for k in range(len(speed)):
+            drifting = drifting or speed[k, a] != 0.0
     while row < last:
         size = min(np.uint64(BLOCK), last - row)
         for q in range(size):
@@ -138,13 +151,22 @@ def pair_forces(  # type: ignore[no-untyped-def]
             for q in range(size):
                 i, j = first[row + q], partner[row + q]
                 for a in range(3):
-                    v = buf[D, q] * gradient[0, a] + buf[D + 1, q] * gradient[1, a] + buf[D + 2, q] * gradient[2, a] - velocity[i, a]
                     if image is not None:
-                        buf[V + a, q] = v + velocity[j, a] + speed[image[row + q], a]
+                        buf[V + a, q] = velocity[j, a] - velocity[i, a]
                     else:
-                        buf[V + a, q] = v + walls[j, 3] if a == int(walls[j, 0]) else v
+                        buf[V + a, q] = (walls[j, 3] if a == int(walls[j, 0]) else 0.0) - velocity[i, a]
                 if mass is not None:
                     buf[MASS, q] = mass[i] if image is None else mass[i] * mass[j] / (mass[i] + mass[j])
+            if carried:
+                for q in range(size):
+                    dx, dy, dz = buf[D, q], buf[D + 1, q], buf[D + 2, q]
+                    buf[V, q] += dx * xx_rate + dy * yx_rate + dz * zx_rate
+                    buf[V + 1, q] += dx * xy_rate + dy * yy_rate + dz * zy_rate
+                    buf[V + 2, q] += dx * xz_rate + dy * yz_rate + dz * zz_rate
+            if image is not None and drifting:
+                for q in range(size):
+                    for a in range(3):
+                        buf[V + a, q] += speed[image[row + q], a]
         if spin is not None and tangential is not None:
             for q in range(size):  # mean spin, weighted with the distances from the contact to the centres
                 i, j = first[row + q], partner[row + q]
@@ -194,6 +216,13 @@ def pair_forces(  # type: ignore[no-untyped-def]
             f *= inverse
             buf[G, q], buf[G + 1, q], buf[G + 2, q] = f * dx, f * dy, f * dz
         if tangential is not None:
+            for a in range(4):  # to and from the block by themselves: what may overlap in memory is computed one by one
+                for q in range(size):
+                    buf[SLIP + a, q] = slip[a, row + q]
+            if rolling is not None:
+                for a in range(3):
+                    for q in range(size):
+                        buf[ROLL + a, q] = roll[a, row + q]
             for q in range(size):
                 inverse = buf[INVERSE, q]
                 n = (buf[D, q] * inverse, buf[D + 1, q] * inverse, buf[D + 2, q] * inverse)
@@ -203,29 +232,15 @@ def pair_forces(  # type: ignore[no-untyped-def]
                     (buf[V + 1, q] - (cz * buf[D, q] - cx * buf[D + 2, q])) * dt,
                     (buf[V + 2, q] - (cx * buf[D + 1, q] - cy * buf[D, q])) * dt,
                 )
-                kept, turn, a = 1.0, 0.0, buf[CONTACT, q]
-                if tangential.shrinking:
-                    kept = min(1.0, a / max(slip[3, row + q], NEAREST))
-                if tangential.turning:
-                    turn = (cx * n[0] + cy * n[1] + cz * n[2]) * dt
-                stiffness = tangential_stiffness(tangential, a)
-                old = (slip[0, row + q], slip[1, row + q], slip[2, row + q])
-                s, work = dragged(stiffness, tangential.friction * buf[NORMAL, q], kept, turn, n, way, old)
-                slip[0, row + q], slip[1, row + q], slip[2, row + q], slip[3, row + q] = s[0], s[1], s[2], a
+                a = buf[CONTACT, q]
+                had = buf[SLIP + 3, q] if shrinking else a
+                turn = (cx * n[0] + cy * n[1] + cz * n[2]) * dt * turning
+                old = (buf[SLIP, q], buf[SLIP + 1, q], buf[SLIP + 2, q])
+                most = tangential.friction * buf[NORMAL, q]
+                s, work = dragged(tangential_stiffness(tangential, a), most, a, had, turn, n, way, old)
+                buf[SLIP, q], buf[SLIP + 1, q], buf[SLIP + 2, q], buf[SLIP + 3, q] = s[0], s[1], s[2], a
+                buf[HAD, q], buf[TURN, q] = had, turn
                 sheared += work
-                if rolling is not None:
-                    arm = reach * 0.25 if image is not None else reach
-                    if radius is not None:
-                        arm = buf[RADIUS_1, q]
-                        if image is not None:
-                            arm = arm * buf[RADIUS_2, q] / (arm + buf[RADIUS_2, q])
-                    old = (roll[0, row + q], roll[1, row + q], roll[2, row + q])
-                    angle = (buf[W, q] * dt, buf[W + 1, q] * dt, buf[W + 2, q] * dt)
-                    most = rolling.friction * arm * buf[NORMAL, q]
-                    moment, work = dragged(stiffness * arm * arm, most, kept, turn, n, angle, old)
-                    roll[0, row + q], roll[1, row + q], roll[2, row + q] = moment
-                    buf[M, q], buf[M + 1, q], buf[M + 2, q] = moment
-                    sheared += work
                 lever = 0.5  # of the first radius over the sum of both; with radii, over that sum
                 if image is None:
                     lever = 1.0
@@ -237,6 +252,28 @@ def pair_forces(  # type: ignore[no-untyped-def]
                 buf[T + 1, q] = lever * (buf[D + 2, q] * s[0] - buf[D, q] * s[2])
                 buf[T + 2, q] = lever * (buf[D, q] * s[1] - buf[D + 1, q] * s[0])
                 buf[G, q], buf[G + 1, q], buf[G + 2, q] = buf[G, q] - s[0], buf[G + 1, q] - s[1], buf[G + 2, q] - s[2]
+            for a in range(4):
+                for q in range(size):
+                    slip[a, row + q] = buf[SLIP + a, q]
+            if rolling is not None:
+                for q in range(size):
+                    inverse = buf[INVERSE, q]
+                    n = (buf[D, q] * inverse, buf[D + 1, q] * inverse, buf[D + 2, q] * inverse)
+                    arm = reach * 0.25 if image is not None else reach
+                    if radius is not None:
+                        arm = buf[RADIUS_1, q]
+                        if image is not None:
+                            arm = arm * buf[RADIUS_2, q] / (arm + buf[RADIUS_2, q])
+                    old = (buf[ROLL, q], buf[ROLL + 1, q], buf[ROLL + 2, q])
+                    angle = (buf[W, q] * dt, buf[W + 1, q] * dt, buf[W + 2, q] * dt)
+                    stiffness = tangential_stiffness(tangential, buf[SLIP + 3, q]) * arm * arm
+                    most = rolling.friction * arm * buf[NORMAL, q]
+                    moment, work = dragged(stiffness, most, buf[SLIP + 3, q], buf[HAD, q], buf[TURN, q], n, angle, old)
+                    buf[M, q], buf[M + 1, q], buf[M + 2, q] = moment
+                    sheared += work
+                for a in range(3):
+                    for q in range(size):
+                        roll[a, row + q] = buf[M + a, q]
         for q in range(size):
             dx, dy, dz, gx, gy, gz = buf[D, q], buf[D + 1, q], buf[D + 2, q], buf[G, q], buf[G + 1, q], buf[G + 2, q]
             xx, xy, xz = xx + dx * gx, xy + dx * gy, xz + dx * gz
@@ -246,24 +283,49 @@ def pair_forces(  # type: ignore[no-untyped-def]
             for q in range(size):
                 for a in range(3):
                     network[row + q, a] = buf[G + a, q]
+        # the first sphere stays the same for a few pairs: its sums wait until it changes
+        current = first[row]
+        fx, fy, fz, tx, ty, tz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for q in range(size):
             largest = max(largest, buf[OVERLAP, q])
             if buf[OVERLAP, q] <= 0.0:
                 continue
             i, j = first[row + q], partner[row + q]
+            if i != current:
+                force[current, 0], force[current, 1], force[current, 2] = (
+                    force[current, 0] - fx,
+                    force[current, 1] - fy,
+                    force[current, 2] - fz,
+                )
+                fx, fy, fz = 0.0, 0.0, 0.0
+                if tangential is not None:
+                    torque[current, 0] += tx
+                    torque[current, 1] += ty
+                    torque[current, 2] += tz
+                    tx, ty, tz = 0.0, 0.0, 0.0
+                current = i
+            fx, fy, fz = fx + buf[G, q], fy + buf[G + 1, q], fz + buf[G + 2, q]
             for a in range(3):
-                force[i, a] -= buf[G + a, q]
                 if image is not None:
                     force[j, a] += buf[G + a, q]
                 else:
                     reaction[j, a] += buf[G + a, q]
             if tangential is not None:
-                for a in range(3):
-                    t = buf[T + a, q]
-                    moment = buf[M + a, q] if rolling is not None else 0.0
-                    torque[i, a] += (t if radius is None else t * radius[i]) + moment
-                    if image is not None:
-                        torque[j, a] += (t if radius is None else t * radius[j]) - moment
+                r = 1.0 if radius is None else radius[i]
+                tx, ty, tz = tx + r * buf[T, q], ty + r * buf[T + 1, q], tz + r * buf[T + 2, q]
+                if rolling is not None:
+                    tx, ty, tz = tx + buf[M, q], ty + buf[M + 1, q], tz + buf[M + 2, q]
+                if image is not None:
+                    for a in range(3):
+                        t = buf[T + a, q] if radius is None else buf[T + a, q] * radius[j]
+                        torque[j, a] += t if rolling is None else t - buf[M + a, q]
+        force[current, 0] -= fx
+        force[current, 1] -= fy
+        force[current, 2] -= fz
+        if tangential is not None:
+            torque[current, 0] += tx
+            torque[current, 1] += ty
+            torque[current, 2] += tz
         row += size
     virial[0, 0], virial[0, 1], virial[0, 2] = virial[0, 0] + xx, virial[0, 1] + xy, virial[0, 2] + xz
     virial[1, 0], virial[1, 1], virial[1, 2] = virial[1, 0] + yx, virial[1, 1] + yy, virial[1, 2] + yz
