@@ -104,9 +104,7 @@ def _before_yield(curve: Curve) -> Curve | None:
     keep = (curve.branch == 0) & (curve.overlap <= curve.yield_overlap)
     if np.count_nonzero(keep) < 3:
         return None
-    columns = {name: value[keep] for name in Curve.COLUMNS if (value := getattr(curve, name)) is not None}
-    rest = ("radius", "aspect", "material", "yield_overlap", "yield_place", "errors", "stopped", "provenance")
-    return Curve(**columns, **{name: getattr(curve, name) for name in rest})
+    return curve.part(keep)
 
 
 def pole_radius(curve: Curve) -> float:

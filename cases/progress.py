@@ -112,10 +112,14 @@ class Progress:
         statistics = record.summary.get("statistics")
         if statistics and self._few:
             deepest = statistics["time_step_over_critical_at_largest_overlap"]
-            log.print(
-                f"         {record.task}: energy balance closes to {statistics['energy_balance']:.2g}; time step up to "
-                f"{max(statistics['dt_over_critical']):.3g} of the critical one ({deepest:.3g} at the largest overlap that was reached)"
-            )
+            how = f"{statistics['steps']:,} iterations to states of rest"
+            if statistics["dt_over_critical"]:
+                fraction = max(statistics["dt_over_critical"])
+                how = (
+                    f"energy balance closes to {statistics['energy_balance']:.2g}; time step up to {fraction:.3g} of the critical one "
+                    f"({deepest:.3g} at the largest overlap that was reached)"
+                )
+            log.print(f"         {record.task}: {how}")
         warnings = [text for text in dict.fromkeys(record.summary.get("warnings", ())) if text != record.reason]  # stages may repeat one
         if self._few:
             for warning in warnings:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -68,6 +68,24 @@ class Curve:
         """The consecutive rows of one branch."""
         found = np.flatnonzero(self.branch == branch)
         return slice(int(found[0]), int(found[-1]) + 1) if found.size else slice(0, 0)
+
+    def part(self, keep: npt.NDArray[np.bool_]) -> Curve:
+        """The curve of some of its rows, its branches numbered anew."""
+        columns = {name: value[keep] for name in self.COLUMNS if (value := getattr(self, name)) is not None}
+        columns["branch"] = np.unique(columns["branch"], return_inverse=True)[1]
+        return replace(self, **columns)
+
+    def up_to(self, reach: float) -> Curve:
+        """The part of a curve of loading and unloadings up to an overlap over the radius; unloadings from beyond it are left out.
+
+        Raises `InputError` if the curve ends before.
+        """
+        relative = self.overlap / self.radius
+        if relative.max() < reach * (1.0 - 1e-9):
+            bound = f"ends at {relative.max():.3g} of the radius, short of {reach:.3g}"
+            require([Problem("curve", self.content_hash, bound, "press the body deeper, or ask for less")])
+        starts = np.array([relative[self.rows(branch).start] for branch in range(int(self.branch.max()) + 1)])
+        return self.part((relative <= reach * (1.0 + 1e-9)) & (starts[self.branch] <= reach * (1.0 + 1e-9)))
 
     @property
     def unloadings(self) -> range:

@@ -3,7 +3,18 @@
 from dem import impact, output, packing
 from dem.box import Box
 from dem.particles import Particles, spheres
-from dem.scene import Contact, Scene, Stage, confined, hold, isotropic_compression, packed_scene, simple_shear, uniaxial_compression
+from dem.scene import (
+    Contact,
+    QuasiStatic,
+    Scene,
+    Stage,
+    confined,
+    hold,
+    isotropic_compression,
+    packed_scene,
+    simple_shear,
+    uniaxial_compression,
+)
 from dem.simulation import run
 from dem.trajectory import Trajectory
 
@@ -11,6 +22,7 @@ __all__ = [
     "Box",
     "Contact",
     "Particles",
+    "QuasiStatic",
     "Scene",
     "Stage",
     "Trajectory",

@@ -16,7 +16,7 @@ from dem.scene import Contact, Scene
 from dem.working import Working
 
 #: what can be carried along though the scene does not need it
-CARRIED = ("radius", "mass", "rates", "rotation")
+CARRIED = ("radius", "mass", "rates", "rotation", "history")
 #: beyond it inertia shows in the stress of frictionless spheres
 QUASI_STATIC = 1e-3
 #: strain that a stage under stress control is given time for, if it has no duration
@@ -39,6 +39,8 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
         yield Problem("density_scaling", scene.density_scaling, "must be positive", "1 leaves the masses as they are")
     if not 0.0 <= scene.moving_walls <= 1.0:
         yield Problem("moving_walls", scene.moving_walls, "must lie in [0, 1]", "0 moves the upper wall, 1 the lower, 0.5 both")
+    if not 0.0 <= scene.neglect < 1.0:
+        yield Problem("neglect", scene.neglect, "must lie in [0, 1)", "0 neglects nothing")
     for name in scene.carry:
         if name not in CARRIED:
             yield Problem("carry", name, f"must be of {', '.join(CARRIED)}", "leave it out: the scene decides by itself")
@@ -108,9 +110,19 @@ def _programme_problems(scene: Scene) -> Iterator[Problem]:
         if stage.duration is None:
             if change == 0.0 or not scene.particles.size:
                 yield Problem(f"programme[{number}].duration", None, "nothing moves, so nothing says how slowly", "give it in s")
+            elif scene.quasi_static is not None and any(_in_time(contact.normal) for contact in scene.contacts):
+                bound = "a law in time needs the time that passes between states of rest"
+                yield Problem(f"programme[{number}].duration", None, bound, "give it in s")
         elif not (math.isfinite(stage.duration) and stage.duration > 0.0):
             remedy = "give it in s; a strain rate must not be 0"
             yield Problem(f"programme[{number}].duration", stage.duration, "must be positive", remedy)
+
+
+def _in_time(law: object) -> bool:
+    try:
+        return dispatch.law_of(law).in_time
+    except InputError:  # said elsewhere
+        return False
 
 
 def overlap_problems(scene: Scene, overlap: float) -> Iterator[Problem]:
@@ -143,7 +155,7 @@ def inertial_time(scene: Scene) -> float:
     """
     density = float(np.sum(scene.masses)) / scene.particles.solid_volume
     asked = [stress for stage in scene.programme for stress in stage.stress if stress]
-    pressure = max(asked) if asked else reference_pressure(scene, largest_strain(scene))
+    pressure = max(asked) if asked else reference_pressure(scene, largest_strain(scene) or SERVO_STRAIN)
     return 2.0 * float(np.mean(scene.particles.radii)) * math.sqrt(density / pressure)
 
 
@@ -181,24 +193,36 @@ def changes(scene: Scene) -> tuple[float, ...]:
     )
 
 
+#: nanoseconds per particle-step that each part costs beside frictionless elastic spheres with 6 contacts each, on one thread;
+#: `python -m cases.benchmarks.dem_parts` measures them anew
+COSTS = {"radius": 10.0, "mass": 4.0, "rates": 10.0, "rotation": 6.0, "memory": 30.0, "friction": 60.0}
+
+
 def left_out(scene: Scene, work: Working) -> tuple[str, ...]:
-    """One line for everything that the scene does not need and is not computed, with its reason."""
+    """One line for everything that the scene does not need and is not computed: the reason, and what it saves."""
+    pairs = sum(len(group.rows.first) for group in work.groups) / max(work.size, 1)
     lines = []
-    if work.bodies.spin is None:
-        lines.append("no tangential force asked for: no rotations, no tangential history")
+    if all(group.past.slip is None for group in work.groups):
+        turning = work.bodies.spin is not None
+        saved = _saved((0 if turning else 48) + 32 * pairs, "friction")
+        lines.append(f"no tangential force asked for: no {'' if turning else 'rotations, no '}tangential history ({saved})")
     if work.bodies.radius is None:
-        lines.append("one radius: no radius per particle, one pair scale for all contacts")
+        lines.append(f"one radius: no radius per particle, one pair scale for all contacts ({_saved(8, 'radius')})")
     if work.bodies.mass is None:
-        lines.append("one mass: no mass per particle")
+        lines.append(f"one mass: no mass per particle ({_saved(8, 'mass')})")
     for kind, group in zip(work.kinds, work.groups, strict=True):
         law = dispatch.law_of(kind.contact.normal)
         if not law.memory:
-            lines.append(f"{law.name} has no memory: no history per contact")
+            lines.append(f"{law.name} has no memory: no history per contact ({_saved(8 * pairs, 'memory')} for each number of it)")
         if group.roles.rates is None:
-            lines.append(f"{law.name} asks for no rates: no relative velocities")
+            lines.append(f"{law.name} asks for no rates: no relative velocities ({_saved(0, 'rates')})")
     if not any(scene.walls):
         lines.append("no walls: no wall search")
     return tuple(dict.fromkeys(lines))
+
+
+def _saved(size: float, part: str) -> str:
+    return f"saves {size:.0f} bytes per particle and some {COSTS[part]:.0f} ns per particle-step"
 
 
 def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:

@@ -115,7 +115,8 @@ class Scene:
     density_scaling: float = 1.0  # all masses times this: a larger time step for a slow programme
     skin: float = 0.05  # of the Verlet list, over the largest diameter
     threads: int = 1
-    carry: tuple[str, ...] = ()  # what is carried though the scene does not need it: "radius", "mass", "rates", "rotation", "images"
+    neglect: float = 1e-3  # error of the stress for which a relaxing law may give way to an elastic one; 0: none
+    carry: tuple[str, ...] = ()  # what is carried though the scene does not need it: see requirements.CARRIED
 
     @property
     def content_hash(self) -> str:

@@ -23,6 +23,7 @@ from dem.measure import largest_overlap
 from dem.motion import Deformation
 from dem.quasi_static import step_to, step_to_stress
 from dem.record import COLUMNS, Beyond, Frame, deepest_beyond, in_scene_order, observe, pressures
+from dem.reduction import reduced
 from dem.scene import QuasiStatic, Scene, Stage, law_bytes
 from dem.timestep import TimeStep, collision_overlap, scene_time_step
 from dem.trajectory import Trajectory, trajectory
@@ -75,9 +76,10 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
     report = progress or (lambda fraction, text: None)
     began = clock.process_time()
     identity = {"scene": scene.content_hash, "code": code_version()}
+    scene, replaced = reduced(scene, requirements.durations(scene))
     work = working(scene)
     require(requirements.overlap_problems(scene, largest_overlap(work)))
-    plan = prepare(scene, work)
+    plan = prepare(scene, work, replaced)
     for line in (*plan.notes, *(f"warning: {line}" for line in plan.warnings)):
         report(0.0, line)
     total = len(scene.programme) * scene.outputs
@@ -184,13 +186,15 @@ def _squeeze(scene: Scene, stage: int) -> float:
     return requirements.changes(scene)[stage]
 
 
-def prepare(scene: Scene, work: Working) -> Plan:
+def prepare(scene: Scene, work: Working, replaced: tuple[str, ...] = ()) -> Plan:
     """Time step, durations and outputs; and the lines that say what was decided."""
     durations = requirements.durations(scene)
     step = _time_step(scene, work, durations)
     within = [round(k * scene.outputs / scene.frames) for k in range(1, scene.frames + 1)]
     kept = {0} | {stage * scene.outputs + k for stage in range(len(durations)) for k in within}
-    notes = (*requirements.left_out(scene, work), *requirements.motion_notes(scene, durations), step.note)
+    notes = (*replaced, *requirements.left_out(scene, work), *requirements.motion_notes(scene, durations))
+    if scene.quasi_static is None:
+        notes = (*notes, step.note)
     return Plan(durations, requirements.drags(scene), frozenset(kept), step, notes, requirements.rate_warnings(scene, durations))
 
 
@@ -260,9 +264,10 @@ def _statistics(scene: Scene, plan: Plan, log: Log, identity: dict[str, str], wo
     return {
         **log.counts,
         "particle_steps_per_cpu_second": log.counts["steps"] * scene.particles.size / seconds,
-        "dt": [max(stage) for stage in mine],
-        "dt_over_critical": [max(stage) / plan.step.critical for stage in mine],
+        "dt": [] if scene.quasi_static else [max(stage) for stage in mine],
+        "dt_over_critical": [] if scene.quasi_static else [max(stage) / plan.step.critical for stage in mine],
         "itasca_dt": plan.step.itasca,
+        "routine": "quasi-static" if scene.quasi_static else "dynamic",
         "bytes_per_particle": work.bytes_used / max(scene.particles.size, 1),
         "threads": scene.threads,
         "stiffness_bound": plan.step.stiffness,

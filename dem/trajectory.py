@@ -118,7 +118,7 @@ def _inertial_number_at(output: int, scene: Scene, column: dict[str, FloatArray]
 
 def _step_over_critical(scene: Scene, relative_overlap: float, steps: list[float]) -> float:
     """The largest time step over the critical one of a scene whose deepest contact was this deep (one body, over its radius)."""
-    if not scene.particles.size or relative_overlap == 0.0:
+    if not scene.particles.size or relative_overlap == 0.0 or not steps:
         return 0.0
     overlap = 2.0 * relative_overlap * float(scene.particles.radii.max())
     return max(steps) / scene_time_step(scene, overlap, 1.0).critical

@@ -13,12 +13,16 @@ from cases.batch.store import hash_of
 from cases.batch.task import Task
 from cases.casefile.schema import Case, CurveTable, FitTable, ImpactTable, Scene, SceneTable, is_file
 
+#: overlap of one body over its radius that a scene can reach, over its strain: particles are pushed around
+REACH = 2.0
+
 
 def plan(case: Case, folder: Path) -> list[Task]:
     """All tasks of a case in an order in which each stands behind what it needs; files are looked up relative to `folder`."""
     tasks = [_curve(name, table, case) for name, table in case.curves.items()]
     tasks += {task.id: task for task in map(_packing, case.scenes.values())}.values()
     tasks += [_fit(name, table, case, folder) for name, table in case.fits.items()]
+    tasks += [_cheapest(name, table, folder) for name, table in case.scenes.items() if table.fit is None]
     tasks += [_impact(name, table, folder) for name, table in case.impacts.items()]
     tasks += [_scene(name, table, folder) for name, table in case.scenes.items()]
     return list(_with_keys(tasks))
@@ -63,6 +67,14 @@ def _fit(name: str, table: FitTable, case: Case, folder: Path) -> Task:
     return Task("fits", name, {"law": table.law, "radius": table.radius, "material": material}, needs, given)
 
 
+def _cheapest(name: str, table: SceneTable, folder: Path) -> Task:
+    """The fit of the cheapest law that is good enough for a scene, up to the overlaps that it can reach."""
+    needs = tuple(f"curves.{curve}" for curve in table.curves if not is_file(curve))
+    given = tuple(str(folder / curve) for curve in table.curves if is_file(curve))
+    values = {"tolerance": table.tolerance, "reach": REACH * table.strain, "radius": None, "material": None}
+    return Task("fits", f"{name}-law", values, needs, given)
+
+
 def _made_from(fit: str, folder: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The tasks and the files of the user that a law comes from."""
     return ((), (str(folder / fit),)) if is_file(fit) else ((f"fits.{fit}",), ())
@@ -78,6 +90,6 @@ def _packing(table: Scene) -> Task:
 
 
 def _scene(name: str, table: SceneTable, folder: Path) -> Task:
-    fits, files = _made_from(table.fit, folder)
-    values = table.model_dump(mode="json", include={"radius", "density", "strain", "strain_rate", "release"})
+    fits, files = ((f"fits.{name}-law",), ()) if table.fit is None else _made_from(table.fit, folder)
+    values = table.model_dump(mode="json", exclude={"fit", "tolerance", "curves", "count", "packing_fraction", "seed"})
     return Task("scenes", name, values, (*fits, _packing(table).id), files)

@@ -32,10 +32,14 @@ def cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) -
     yield from _twins(case, folder)
     for kind, tables in (("impacts", case.impacts), ("scenes", case.scenes)):
         for name, table in tables.items():
+            if table.fit is None:
+                continue
             yield from _reference(f"{kind}.{name}.fit", table.fit, declared.get("fits", ()), folder)
             if is_file(table.fit) and (folder / table.fit).is_file():
                 yield from law_problems(f"{kind}.{name}.fit", folder / table.fit)
     for name, scene in case.scenes.items():
+        for curve_name in scene.curves:
+            yield from _reference(f"scenes.{name}.curves", curve_name, declared.get("curves", ()), folder)
         yield from density_problems(f"scenes.{name}.packing_fraction", scene.packing_fraction)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -19,6 +19,7 @@ Density = Annotated[float, in_unit("kg/m^3"), _positive]
 Speed = Annotated[float, in_unit("m/s"), _positive]
 Duration = Annotated[float, in_unit("s"), Field(ge=0, allow_inf_nan=False)]
 Rate = Annotated[float, in_unit("1/s"), _positive]
+Coefficient = Annotated[float, in_unit(""), Field(ge=0, allow_inf_nan=False)]
 #: overlap over radius; the body ends at 1, and runs to 0.5 are verified
 Depth = Annotated[float, in_unit(""), Field(gt=0, lt=1, allow_inf_nan=False)]
 Aspect = Annotated[float, in_unit(""), Field(ge=0.1, le=10, allow_inf_nan=False)]
@@ -155,7 +156,7 @@ class Impact(Spheres):
 
 
 class Scene(Spheres):
-    """A random close packing of equal spheres in a periodic box, compressed along one axis and released."""
+    """A random close packing of equal spheres in a periodic box, loaded and unloaded; what is not asked for is absent."""
 
     count: int = Field(ge=8, le=1_000_000, description="the number of spheres, such as 250")
     packing_fraction: Annotated[float, in_unit("")] = Field(
@@ -172,6 +173,40 @@ class Scene(Spheres):
     )
     release: bool = Field(True, description="whether the strain is taken back at the same rate")
     seed: int = Field(1, ge=0, description="the seed of the random packing")
+    loading: Literal["uniaxial", "isotropic", "shear"] = Field("uniaxial", description="how: one edge, all edges, or a simple shear")
+    routine: Literal["dynamic", "quasi-static"] = Field("dynamic", description="motion in time, or a sequence of states of rest")
+    affine: bool = Field(True, description="whether the box carries the particles along (BCT), or only its faces move (BC)")
+    friction: Coefficient | None = Field(None, description="coefficient of Mindlin's friction, such as 0.3; without it none")
+    rolling_friction: Coefficient | None = Field(None, description="coefficient of rolling resistance, beside friction")
+    restitution: Annotated[float, in_unit("")] | None = Field(
+        None, gt=0, le=1, allow_inf_nan=False, description="a damper that returns this restitution on elastic contacts, such as 0.5"
+    )
+    youngs_modulus: Modulus | None = Field(None, description="the spheres' Young's modulus, for friction and restitution")
+    poissons_ratio: Annotated[float, in_unit("")] | None = Field(None, ge=0, lt=0.5, allow_inf_nan=False, description="and Poisson's ratio")
+    density_scaling: Annotated[float, in_unit("")] = Field(
+        1.0, gt=0, allow_inf_nan=False, description="all masses times this, such as 1000"
+    )
+    inertial_number: Annotated[float, in_unit("")] = Field(
+        1e-4, gt=0, le=1, allow_inf_nan=False, description="how slow, where no strain rate is given"
+    )
+    time_step_fraction: Annotated[float, in_unit("")] = Field(
+        0.4, gt=0, le=1, allow_inf_nan=False, description="time step over the critical one"
+    )
+    threads: int = Field(1, ge=1, le=64, description="threads of one scene")
+    carry: tuple[Literal["radius", "mass", "rates", "rotation", "history"], ...] = Field(
+        (), description="what to compute though the scene does not need it"
+    )
+
+    @model_validator(mode="after")
+    def _physics(self) -> Scene:
+        for name, needs, what in (
+            ("rolling_friction", self.friction, "needs friction"),
+            ("friction", self.youngs_modulus and self.poissons_ratio is not None, "needs youngs_modulus and poissons_ratio"),
+            ("restitution", self.youngs_modulus and self.poissons_ratio is not None, "needs youngs_modulus and poissons_ratio"),
+        ):
+            if getattr(self, name) is not None and not needs:
+                raise PydanticCustomError("unit", "{bound}|{remedy}", {"name": name, "bound": what, "remedy": "give it too"})
+        return self
 
 
 class ImpactTable(Impact):
@@ -181,9 +216,18 @@ class ImpactTable(Impact):
 
 
 class SceneTable(Scene):
-    """[scenes.NAME]: the compression of a packing on a fitted law."""
+    """[scenes.NAME]: the compression of a packing on a fitted law, or on the cheapest one that is good enough."""
 
-    fit: str = Field(description="the name of a table under [fits], or the path of a law file")
+    fit: str | None = Field(None, description="the name of a table under [fits], or the path of a law file")
+    tolerance: Tolerance | None = Field(None, description="instead of a fit: the error of the contact force that is allowed, such as 0.02")
+    curves: tuple[str, ...] = Field((), description="with tolerance: names of tables under [curves], or paths of curve files")
+
+    @model_validator(mode="after")
+    def _law(self) -> SceneTable:
+        if (self.fit is None) == (self.tolerance is None) or (self.tolerance is not None) != bool(self.curves):
+            context = {"name": "fit", "bound": "either a fit, or a tolerance with curves", "remedy": "give one of the two"}
+            raise PydanticCustomError("unit", "{bound}|{remedy}", context)
+        return self
 
 
 class SceneFile(Scene):

@@ -212,7 +212,7 @@ def _scenes(folder: Path, listed: Mapping[str, Any], there: There, laws: Mapping
                 name,
                 *cells,
                 number(abs(values["balance"]).max(), 2),
-                number(max(statistics["dt_over_critical"]), 3),
+                number(max(statistics["dt_over_critical"]), 3) if statistics["dt_over_critical"] else "quasi-static",
                 str(statistics["steps"]),
             )
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,9 @@ from cases.batch.task import Task
 from cases.batch.work.place import Made, Outcome, Report, empty_folder, law_file, place, relative
 from cases.report import history
 from contactlaws import fitted
+from contactlaws.fitted import FittedLaw
+from contactlaws.material import Material
+from contactlaws.tangential import damper, mindlin, rolling
 from contactlaws.version import code_version
 from dem import output
 from dem.box import Box
@@ -24,10 +28,17 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     """A packing compressed and released on a law: history table, LAMMPS dump, .vtu frames."""
 
     fit, values = fitted.load(law_file(folder, task, made)), task.values
-    contact = dem.Contact(normal=fit.law, fitted_overlap=fit.max_overlap / fit.law.radius)
+    contact = _contact(fit, values)
     packing = next(_packing(folder / made[need].files["packing"]) for need in task.needs if need.startswith("packings."))
-    programme = dem.uniaxial_compression(values["strain"], strain_rate=values["strain_rate"], release=values["release"])
-    scene = dem.packed_scene(packing, values["density"], contact, programme)
+    scene = dem.packed_scene(
+        packing,
+        values["density"],
+        contact,
+        _programme(values),
+        quasi_static=dem.QuasiStatic() if values["routine"] == "quasi-static" else None,
+        **{name: values[name] for name in ("affine", "density_scaling", "inertial_number", "time_step_fraction", "threads")},
+        carry=tuple(values["carry"]),
+    )
     # a run can only be continued by the code that began it, so the code is in the checkpoint's name
     checkpoint = place(folder, task, f"-{hash_of(code_version())}.checkpoint.npz")
     trajectory = dem.run(scene, progress=report, checkpoint=checkpoint)
@@ -40,6 +51,29 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     files = {"history": relative(table, folder), "dump": relative(dump, folder), "frames": relative(frames, folder)}
     summary = {"notes": list(trajectory.notes), "warnings": list(trajectory.warnings), "statistics": dict(trajectory.statistics)}
     return files, summary, trajectory.stopped
+
+
+def _contact(fit: FittedLaw, values: Mapping[str, Any]) -> dem.Contact:
+    """The physics that the scene asks for."""
+    contact = dem.Contact(normal=fit.law, fitted_overlap=fit.max_overlap / fit.law.radius)
+    if values["youngs_modulus"] is None:
+        return contact
+    material = Material(values["youngs_modulus"], values["poissons_ratio"])
+    friction, resistance, restitution = values["friction"], values["rolling_friction"], values["restitution"]
+    return contact._replace(
+        tangential=None if friction is None else mindlin(friction, material),
+        rolling=None if resistance is None else rolling(resistance),
+        damping=None if restitution is None else damper(restitution, material),
+    )
+
+
+def _programme(values: Mapping[str, Any]) -> tuple[dem.Stage, ...]:
+    """There, and back if it is released."""
+    duration = None if values["strain_rate"] is None else values["strain"] / values["strain_rate"]
+    if values["loading"] == "uniaxial":
+        return dem.uniaxial_compression(values["strain"], strain_rate=values["strain_rate"], release=values["release"])
+    there = (dem.isotropic_compression if values["loading"] == "isotropic" else dem.simple_shear)(values["strain"], duration)
+    return (there, dem.Stage((1.0, 1.0, 1.0), duration)) if values["release"] else (there,)
 
 
 def _packing(path: Path) -> Any:
