@@ -63,6 +63,15 @@ def pair_geometry(work: Working, group: Group) -> tuple[FloatArray, FloatArray]:
     return branch, radii[first] + radii[partner] - np.linalg.norm(branch, axis=1)
 
 
+def force_distribution(found: Network, edges: FloatArray) -> FloatArray:
+    """Probability density of the normal force over its mean, between `edges`, shape (len(edges) - 1,); 0 without contacts."""
+    force = found.normal_force
+    if not len(force):
+        return np.zeros(len(edges) - 1)
+    counts, _ = np.histogram(force / force.mean(), edges)
+    return np.asarray(counts / (len(force) * np.diff(edges)))
+
+
 def network(work: Working) -> Network:
     """The contacts of a state, which stays as it is."""
     parts = []

@@ -36,6 +36,18 @@ def dump_text(frame: Frame, step: int) -> str:
     return f"{head}ITEM: BOX BOUNDS {'xy xz yz ' if tilts else ''}{faces}\n{bounds}ITEM: ATOMS {DUMP_COLUMNS}\n{''.join(lines)}"
 
 
+def write_network(trajectory: Trajectory, path: str | Path) -> Path:
+    """The contacts of all frames in one CSV file, SI units; a wall is the second sphere of number 0 and below."""
+    lines = ["output,time,id_1,id_2,overlap,normal_force,tangential_force,branch_x,branch_y,branch_z,force_x,force_y,force_z\n"]
+    for frame in trajectory.frames:
+        net = frame.network
+        second = np.where(net.second >= 0, frame.id[np.maximum(net.second, 0)], net.second + 1)
+        columns = (net.overlap, net.normal_force, net.tangential_force, *net.branch.T, *net.force.T)
+        for one, other, *rest in zip(frame.id[net.first].tolist(), second.tolist(), *(c.tolist() for c in columns), strict=True):
+            lines.append(f"{frame.output},{frame.time!r},{one},{other},{','.join(map(repr, rest))}\n")
+    return write_text(path, "".join(lines))
+
+
 def _bounds(box: Box) -> str:
     """Lower and upper bound per axis; of a tilted box those of the cuboid around it, and the tilt, as LAMMPS wants them."""
     if not any(box.tilt):

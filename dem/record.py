@@ -39,6 +39,7 @@ class Frame(NamedTuple):
     velocity: FloatArray  # m/s, relative to the box
     contacts: npt.NDArray[np.int64]  # of each sphere, that carry force
     pressure: FloatArray  # Pa; a third of the trace of each sphere's own stress, compression positive
+    network: Network  # contacts that carry force; spheres by their row here
 
 
 class Beyond(NamedTuple):

@@ -19,7 +19,7 @@ from contactlaws.version import code_version
 from dem import checkpoint as disk
 from dem import requirements
 from dem.forces import LARGEST
-from dem.measure import largest_overlap
+from dem.measure import Network, largest_overlap
 from dem.motion import Deformation
 from dem.quasi_static import step_to, step_to_stress
 from dem.record import COLUMNS, Beyond, Frame, deepest_beyond, in_scene_order, observe, pressures
@@ -222,8 +222,13 @@ def _write_down(scene: Scene, work: Working, plan: Plan, log: Log, dt: float, nu
         log.beyond.append(beyond)
     if number in plan.kept:
         contacts, pressure = pressures(work, found)
-        own = [in_scene_order(work, rows) for rows in (work.bodies.position, work.bodies.velocity, contacts, pressure)]
-        log.frames.append(Frame(number, time, work.box, scene.particles.id, scene.particles.radii, *own))
+        position, velocity, contacts, pressure = (
+            in_scene_order(work, rows) for rows in (work.bodies.position, work.bodies.velocity, contacts, pressure)
+        )
+        second = np.where(found.second >= 0, work.order[np.maximum(found.second, 0)], found.second).astype(np.int64)
+        named = found._replace(first=work.order[found.first].astype(np.int64), second=second)
+        bodies = scene.particles
+        log.frames.append(Frame(number, time, work.box, bodies.id, bodies.radii, position, velocity, contacts, pressure, named))
 
 
 def _saved(work: Working, log: Log) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -231,6 +236,8 @@ def _saved(work: Working, log: Log) -> tuple[dict[str, Any], dict[str, np.ndarra
     arrays["rows"] = np.array(log.rows)
     arrays["frame_outputs"] = np.array([frame.output for frame in log.frames])
     arrays["frame_cells"] = np.array([frame.box.cell for frame in log.frames])
+    for number, frame in enumerate(log.frames):
+        arrays |= {f"network{number}_{name}": value for name, value in frame.network._asdict().items()}
     for name in ("position", "velocity", "contacts", "pressure"):
         arrays[f"frame_{name}"] = np.array([getattr(frame, name) for frame in log.frames])
     return {"counts": dict(log.counts), "beyond": [list(beyond) for beyond in log.beyond]}, arrays
@@ -241,7 +248,11 @@ def _restored(scene: Scene, work: Working, numbers: dict[str, Any], arrays: dict
     rows = arrays["rows"].tolist()
     own = zip(*(arrays[f"frame_{name}"] for name in ("outputs", "cells", "position", "velocity", "contacts", "pressure")), strict=True)
     same = (scene.particles.id, scene.particles.radii)
-    frames = [Frame(int(output), rows[int(output)][0], scene.box.with_cell(cell), *same, *rest) for output, cell, *rest in own]
+    networks = (Network(*(arrays[f"network{k}_{name}"] for name in Network._fields)) for k in range(len(arrays["frame_outputs"])))
+    frames = []
+    for (output, cell, position, velocity, contacts, pressure), network in zip(own, networks, strict=True):
+        row = int(output)
+        frames.append(Frame(row, rows[row][0], scene.box.with_cell(cell), *same, position, velocity, contacts, pressure, network))
     beyond = [Beyond(int(a), int(b), c, d, tuple(e)) for a, b, c, d, e in numbers["beyond"]]
     return work, Log(rows, frames, beyond, numbers["counts"])
 

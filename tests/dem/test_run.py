@@ -34,7 +34,11 @@ def assert_same(one: Trajectory, other: Trajectory) -> None:
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
     for a, b in zip([*one.energies, *one.frames], [*other.energies, *other.frames], strict=True):
         for x, y in zip(np.atleast_1d(a), np.atleast_1d(b), strict=True) if isinstance(a, np.ndarray) else zip(a, b, strict=True):
-            np.testing.assert_array_equal(x, y)
+            if isinstance(x, tuple):
+                for p, q in zip(x, y, strict=True):
+                    np.testing.assert_array_equal(p, q)
+            else:
+                np.testing.assert_array_equal(x, y)
 
 
 class Killed(Exception):
