@@ -25,7 +25,7 @@ from dem.packing import Packing
 
 
 def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
-    """A packing compressed and released on a law: history table, LAMMPS dump, .vtu frames."""
+    """A packing compressed and released on a law: history table, LAMMPS dump, contacts, .vtu frames."""
 
     fit, values = fitted.load(law_file(folder, task, made)), task.values
     contact = _contact(fit, values)
@@ -46,9 +46,10 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     frames = empty_folder(folder / "frames" / f"{task.name}-{task.key}")
     history.write(history.columns(trajectory), table)
     output.write_dump(trajectory, dump)
+    contacts = output.write_network(trajectory, place(folder, task, "-contacts.csv"))
     output.write_vtu(trajectory, frames)
     checkpoint.unlink(missing_ok=True)
-    files = {"history": relative(table, folder), "dump": relative(dump, folder), "frames": relative(frames, folder)}
+    files = {"history": relative(table, folder), "dump": relative(dump, folder), "contacts": relative(contacts, folder), "frames": relative(frames, folder)}
     summary = {"notes": list(trajectory.notes), "warnings": list(trajectory.warnings), "statistics": dict(trajectory.statistics)}
     return files, summary, trajectory.stopped
 
