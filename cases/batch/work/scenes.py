@@ -49,7 +49,8 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     contacts = output.write_network(trajectory, place(folder, task, "-contacts.csv"))
     output.write_vtu(trajectory, frames)
     checkpoint.unlink(missing_ok=True)
-    files = {"history": relative(table, folder), "dump": relative(dump, folder), "contacts": relative(contacts, folder), "frames": relative(frames, folder)}
+    places = {"history": table, "dump": dump, "contacts": contacts, "frames": frames}
+    files = {name: relative(path, folder) for name, path in places.items()}
     summary = {"notes": list(trajectory.notes), "warnings": list(trajectory.warnings), "statistics": dict(trajectory.statistics)}
     return files, summary, trajectory.stopped
 
