@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numba
 import numpy as np
 
 from contactlaws import dispatch, pair
@@ -35,6 +36,9 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
         value = getattr(scene, name)
         if not low < value <= high:
             yield Problem(name, value, f"must lie in ({low:g}, {high:g}]", f"the default is {Scene.__dataclass_fields__[name].default:g}")
+    if scene.threads > numba.config.NUMBA_NUM_THREADS:
+        remedy = "ask for fewer, or set NUMBA_NUM_THREADS before starting"
+        yield Problem("threads", scene.threads, f"numba has {numba.config.NUMBA_NUM_THREADS} threads here", remedy)
     if not (math.isfinite(scene.density_scaling) and scene.density_scaling > 0.0):
         yield Problem("density_scaling", scene.density_scaling, "must be positive", "1 leaves the masses as they are")
     if not 0.0 <= scene.moving_walls <= 1.0:
@@ -232,6 +236,10 @@ def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
         settings = scene.quasi_static
         return (f"quasi-static: strain steps of at most {settings.strain_step:g}, rest by {settings.method}; the box {along} in each step",)
     lines = ["the box deforms affinely and carries the particles along (SLLOD); velocities and kinetic energy are relative to it"]
+    if not scene.affine:
+        lines = ["only faces and walls of the box move; the particles follow by contact"]
+    if scene.density_scaling != 1.0:
+        lines.append(f"density scaling: all masses times {scene.density_scaling:g}; inertial numbers are those of the heavier spheres")
     for number, (change, duration, drag) in enumerate(zip(changes(scene), durations, drags(scene), strict=True)):
         if change == 0.0 or not scene.particles.size:
             continue

@@ -138,7 +138,7 @@ def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[st
         yield f"contacts got deeper than expected (D = {deepest:.4g}): the time step is no longer small, take a smaller time_step_fraction"
     if summary["energy_balance"] > BALANCE:
         yield f"the energy balance closes to {summary['energy_balance']:.2g} only: take a smaller time_step_fraction"
-    if scene.drag is not None and scene.quasi_static is None:
+    if (scene.drag is not None or scene.density_scaling != 1.0) and scene.quasi_static is None:
         ratio, number = summary["kinetic_over_stored_at_peak"], summary["inertial_number_at_peak"]
         if ratio is not None and ratio > SLOW:
             yield f"kinetic energy is {ratio:.2g} of the stored one at the peak: take a smaller inertial_number for a quasi-static answer"
