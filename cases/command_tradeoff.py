@@ -86,3 +86,14 @@ def tradeoff_fe(
 
         raise InputError(Problem("--finest", finest, "must be an even number from 12 to 64", "20 takes minutes, 32 takes hours"))
     print(f"report: {measure(out or Path('results') / 'tradeoff-fe', quick, finest)}")
+
+
+@tradeoff.command("dem")
+def tradeoff_dem(
+    out: Annotated[Path | None, option("Folder for tables, pictures and report.html; default: results/tradeoff-dem.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Few settings and packings: a look, in a minute.")] = False,
+) -> None:
+    """Error of the stress in packings against CPU time, beside the scatter between packings: step, law, friction, rate, size, number."""
+    from cases.tradeoff.dem import tradeoff_dem as measure
+
+    print(f"report: {measure(out or Path('results') / 'tradeoff-dem', quick)}")
