@@ -185,7 +185,16 @@ def _(law, memory, index):  # type: ignore[no-untyped-def]
         return lambda law, memory, index: (memory[index, 0], memory[index, 1])
     if size == 3:
         return lambda law, memory, index: (memory[index, 0], memory[index, 1], memory[index, 2])
-    raise InputError(Problem("memory", size, "at most 3 floats per contact are supported", "add a case to load_state"))
+    if size == 6:
+        return lambda law, memory, index: (
+            memory[index, 0],
+            memory[index, 1],
+            memory[index, 2],
+            memory[index, 3],
+            memory[index, 4],
+            memory[index, 5],
+        )
+    raise InputError(Problem("memory", size, "must be 0 to 3 or 6 floats per contact", "add a case to load_state"))
 
 
 @overload(store_state)

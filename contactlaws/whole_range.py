@@ -3,8 +3,9 @@
 Loading, contact radius, unloading and energy of any material from its modulus, Poisson's ratio and yield stress; formulas in
 `whole_range_loading` and `whole_range_unloading`, global constants fitted to finite-element curves in `whole_range_constants`.
 
-The memory of a contact is its largest overlap and, once it has unloaded, the force there and the overlap it recovers: so a loading step
-computes the force alone, and of many unloading steps only the first computes the recovery.
+The memory of a contact is its largest overlap and, once it has unloaded, the force there, the overlap it recovers and the shape of the
+branch: so a loading step computes the force alone, and of many unloading steps only the first computes the recovery and the shape, whose
+powers cost more than all the rest.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from contactlaws.whole_range_loading import (
     loading_work,
 )
 from contactlaws.whole_range_record import Constants, WholeRange, WholeRangeCompact, coefficients
-from contactlaws.whole_range_unloading import recovered_depth, retreat, shape, shape_slope, shape_terms, shape_work
+from contactlaws.whole_range_unloading import elastic_terms, recovered_depth, retreat, shape, shape_slope, shape_terms, shape_work
 
 #: overlap over the radius up to which the formulas are held against curves and guarded in the fit
 DEEPEST = 0.6
@@ -85,26 +86,25 @@ def unloading(law, depth):  # type: ignore[no-untyped-def]
 def whole_range_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
     """Loading branch, or unloading from the largest overlap."""
     if overlap <= 0.0:
-        return 0.0, (0.0, 0.0, 0.0)
+        return 0.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     depth = overlap / law.radius
     if overlap >= state[0]:
-        return law.force_unit * any_load(law, depth), (overlap, 0.0, 0.0)
+        return law.force_unit * any_load(law, depth), (overlap, 0.0, 0.0, 0.0, 0.0, 0.0)
     largest = min(state[0] / law.radius, END)
     if largest <= law.yield_depth:
-        return law.force_unit * elastic_load(law, depth), (state[0], 0.0, 0.0)
+        return law.force_unit * elastic_load(law, depth), (state[0], 0.0, 0.0, 0.0, 0.0, 0.0)
+    after = state
     if state[2] == 0.0:
         load, _, _, recovered, terms = unloading(law, largest)
-    else:
-        load, recovered = state[1], state[2]
-        at = min(largest, DEEPEST)
-        terms = shape_terms(law, at, load / (stretch(largest) * elastic_load(law, at)))
-    s = 1.0 - (largest - depth) / recovered
+        after = (state[0], load, recovered, terms[0], terms[4], terms[5])
+    s = 1.0 - (largest - depth) / after[2]
     if s > 1.0:  # round-off; an overlap that is not a number stays one
         s = 1.0
-    after = (state[0], load, recovered)
     if s <= 0.0:
         return 0.0, after
-    return law.force_unit * load * shape(terms, s), after
+    at = min(largest, DEEPEST)
+    one, two, three = elastic_terms(law, at)
+    return law.force_unit * after[1] * shape((after[3], one, two, three, after[4], after[5]), s), after
 
 
 @inlined
@@ -184,7 +184,7 @@ def _problems(law: Any) -> list[Problem]:
 
 
 _FUNCTIONS = (whole_range_force, whole_range_contact_radius, whole_range_energy, whole_range_stiffness_bound)
-_MEMORY = ("largest_overlap", "largest_load", "recovered_depth")
+_MEMORY = ("largest_overlap", "largest_load", "recovered_depth", "elastic_share", "power", "power_slope")
 _SOURCE = "fitted to this project's finite-element curves; limits of Hertz 1882 and of Mesarovic & Johnson 2000"
 register(Law("whole_range", WholeRange, *_FUNCTIONS, _MEMORY, _SOURCE, _problems))
 register(Law("whole_range_compact", WholeRangeCompact, *_FUNCTIONS, _MEMORY, _SOURCE, _problems))

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from contactlaws.compiled import kernel
+from contactlaws.compiled import inlined, kernel
 from contactlaws.whole_range_loading import elastic_area, share
 
 #: the exponent of the rest of the shape stays above: a smaller one would begin with an infinite slope
@@ -51,11 +51,16 @@ def recovered_depth(law, depth, load, phi, area):  # type: ignore[no-untyped-def
     return min(depth, plastic + (depth - plastic) * left)
 
 
+@inlined
+def elastic_terms(law, depth):  # type: ignore[no-untyped-def]
+    """Terms of the elastic branch in sqrt(s), s and s^3."""
+    return law.force_1 * math.sqrt(depth), law.force_2 * depth, law.force_3 * depth * depth * depth
+
+
 @kernel
 def shape_terms(law, depth, phi):  # type: ignore[no-untyped-def]
     """Share of the elastic branch; terms of that in sqrt(s), s and s^3; A and B of the rest."""
-    t = math.sqrt(depth)
-    one, two, three = law.force_1 * t, law.force_2 * depth, law.force_3 * depth * depth * depth
+    one, two, three = elastic_terms(law, depth)
     if phi >= 1.0:
         return 1.0, one, two, three, 1.5, 0.0
     upset = share(depth, law.shape_turn, 6)
@@ -67,7 +72,7 @@ def shape_terms(law, depth, phi):  # type: ignore[no-untyped-def]
     return phi**law.share, one, two, three, max(LEAST_ROUND, power), slope_plastic + mix * (law.slope_elastic - slope_plastic)
 
 
-@kernel
+@inlined
 def shape(terms, s):  # type: ignore[no-untyped-def]
     """f/f_max at the share s of the recovery that is left."""
     if s <= 0.0:

@@ -1,13 +1,14 @@
 """The one pair kernel: every force of every scene, and of the impact of two spheres, is computed here.
 
 Pairs are taken in blocks, in three passes over the same short buffers: gather what the two spheres have, compute, scatter. The middle pass
-has no indirect access, so the compiler makes it four contacts wide. What a scene does not need is None, and compiled away.
+has no indirect access, so the compiler makes it four contacts wide. It does so without changing the order of any sum, since sums over
+contacts are kept apart for each place in the block: how a kernel was compiled does not show in the bits. What a scene does not need is
+None, and compiled away.
 """
 
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -25,17 +26,14 @@ IndexArray = npt.NDArray[np.uint32]
 LOST, SHEARED, DAMPED, LARGEST, DRAGGED, WORK = range(6)
 TALLIES = 6
 #: pairs taken at a time: the buffers stay in the first cache
-BLOCK, COLUMNS = 64, 37
+BLOCK, COLUMNS = 64, 47
 #: below any distance; keeps two centres in one place from a division by zero
 NEAREST = 1e-150
 ONE = np.uint64(1)  # unsigned indices: numba then needs no test for negative ones
 #: columns of a block: centre to centre; relative velocity; half the spins; relative spin; force and moment on the second; the rest
 D, V, C, W, G, T, M = 0, 3, 6, 9, 12, 15, 18
 OVERLAP, INVERSE, NORMAL, MASS, CONTACT, RADIUS_1, RADIUS_2 = range(21, 28)
-SLIP, ROLL, HAD, TURN = 28, 32, 35, 36
-
-#: sums over contacts may be taken in any order, fixed by the compiler; products may be fused with sums
-block_kernel = partial(kernel, fastmath=frozenset({"reassoc", "contract", "nsz"}))
+SLIP, ROLL, HAD, TURN, SUMS = 28, 32, 35, 36, 37
 
 
 class Bodies(NamedTuple):
@@ -102,7 +100,7 @@ def forget(law, scale, share, memory, row):  # type: ignore[no-untyped-def]
     return stored + dissipated
 
 
-@block_kernel
+@kernel
 def pair_forces(  # type: ignore[no-untyped-def]
     law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
     position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt, begin, end,
@@ -118,11 +116,13 @@ def pair_forces(  # type: ignore[no-untyped-def]
     reach, scale, equal_mass = 2.0 * one_radius, pair.pair_scale(law, one_radius, one_radius, share), 0.5 * one_mass
     if image is None:
         reach, scale, equal_mass = one_radius, pair.wall_scale(law, one_radius), one_mass
-    lost, sheared, damped, largest = 0.0, 0.0, 0.0, 0.0
+    lost, damped, largest = 0.0, 0.0, 0.0
     shrinking, turning = False, 0.0
     if tangential is not None:
         shrinking, turning = tangential.shrinking, 1.0 if tangential.turning else 0.0
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(10):
+        for q in range(BLOCK):
+            buf[SUMS + k, q] = 0.0
     xx_rate, xy_rate, xz_rate = gradient[0, 0], gradient[0, 1], gradient[0, 2]
     yx_rate, yy_rate, yz_rate = gradient[1, 0], gradient[1, 1], gradient[1, 2]
     zx_rate, zy_rate, zz_rate = gradient[2, 0], gradient[2, 1], gradient[2, 2]
@@ -240,7 +240,7 @@ def pair_forces(  # type: ignore[no-untyped-def]
                 s, work = dragged(tangential_stiffness(tangential, a), most, a, had, turn, n, way, old)
                 buf[SLIP, q], buf[SLIP + 1, q], buf[SLIP + 2, q], buf[SLIP + 3, q] = s[0], s[1], s[2], a
                 buf[HAD, q], buf[TURN, q] = had, turn
-                sheared += work
+                buf[SUMS + 9, q] += work
                 lever = 0.5  # of the first radius over the sum of both; with radii, over that sum
                 if image is None:
                     lever = 1.0
@@ -270,15 +270,21 @@ def pair_forces(  # type: ignore[no-untyped-def]
                     most = rolling.friction * arm * buf[NORMAL, q]
                     moment, work = dragged(stiffness, most, buf[SLIP + 3, q], buf[HAD, q], buf[TURN, q], n, angle, old)
                     buf[M, q], buf[M + 1, q], buf[M + 2, q] = moment
-                    sheared += work
+                    buf[SUMS + 9, q] += work
                 for a in range(3):
                     for q in range(size):
                         roll[a, row + q] = buf[M + a, q]
         for q in range(size):
             dx, dy, dz, gx, gy, gz = buf[D, q], buf[D + 1, q], buf[D + 2, q], buf[G, q], buf[G + 1, q], buf[G + 2, q]
-            xx, xy, xz = xx + dx * gx, xy + dx * gy, xz + dx * gz
-            yx, yy, yz = yx + dy * gx, yy + dy * gy, yz + dy * gz
-            zx, zy, zz = zx + dz * gx, zy + dz * gy, zz + dz * gz
+            buf[SUMS, q] += dx * gx
+            buf[SUMS + 1, q] += dx * gy
+            buf[SUMS + 2, q] += dx * gz
+            buf[SUMS + 3, q] += dy * gx
+            buf[SUMS + 4, q] += dy * gy
+            buf[SUMS + 5, q] += dy * gz
+            buf[SUMS + 6, q] += dz * gx
+            buf[SUMS + 7, q] += dz * gy
+            buf[SUMS + 8, q] += dz * gz
         if len(network) > 0:
             for q in range(size):
                 for a in range(3):
@@ -327,11 +333,12 @@ def pair_forces(  # type: ignore[no-untyped-def]
             torque[current, 1] += ty
             torque[current, 2] += tz
         row += size
-    virial[0, 0], virial[0, 1], virial[0, 2] = virial[0, 0] + xx, virial[0, 1] + xy, virial[0, 2] + xz
-    virial[1, 0], virial[1, 1], virial[1, 2] = virial[1, 0] + yx, virial[1, 1] + yy, virial[1, 2] + yz
-    virial[2, 0], virial[2, 1], virial[2, 2] = virial[2, 0] + zx, virial[2, 1] + zy, virial[2, 2] + zz
+    for q in range(BLOCK):
+        for a in range(3):
+            for b in range(3):
+                virial[a, b] += buf[SUMS + 3 * a + b, q]
+        tally[SHEARED] += buf[SUMS + 9, q]
     tally[LOST] += lost
-    tally[SHEARED] += sheared
     tally[DAMPED] += damped
     tally[LARGEST] = max(tally[LARGEST], share * largest)
 

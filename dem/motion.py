@@ -24,7 +24,7 @@ import numpy.typing as npt
 from numba import literal_unroll
 
 from contactlaws.compiled import kernel
-from dem.forces import DRAGGED, WORK, Frame, forces
+from dem.forces import DRAGGED, WORK, Frame, forces, pair_forces
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -269,8 +269,80 @@ def part_forces(groups, bodies, frame, dt, part, parts, force, torque, virial, r
         forces(group.roles, group.rows, group.past, bodies, frame, dt, part, parts, force, torque, virial, reaction, nothing, tally)
 
 
-def _advance(  # type: ignore[no-untyped-def]
-    groups, deformation, step, steps, drifted, bodies, cell, old, listed, walls, moving, force, torque, virial, reaction, tally
+def _move_on_threads(  # type: ignore[no-untyped-def]
+    position, velocity, spin, radius, one_radius, mass, one_mass, force, torque, before, fade, after, dt, carried, stretch, back, sums
+):
+    """`move` of all spheres, a share on each thread; what it returns goes into the rows of `sums`."""
+    parts, count = len(sums), len(position)
+    for part in numba.prange(parts):
+        taken, given, fastest = move(
+            position, velocity, spin, radius, one_radius, mass, one_mass, force, torque, before, fade, after, dt, carried, stretch, back,
+            count * part // parts, count * (part + 1) // parts,
+        )  # fmt: skip
+        sums[part, 0], sums[part, 1], sums[part, 2] = taken, given, fastest
+
+
+def _clear_on_threads(force, torque, virial, reaction):  # type: ignore[no-untyped-def]
+    for part in numba.prange(len(force)):
+        force[part], torque[part], virial[part], reaction[part] = 0.0, 0.0, 0.0, 0.0
+
+
+def _forces_on_threads(  # type: ignore[no-untyped-def]
+    law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
+    position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
+    force, torque, virial, reaction, network, tally,
+):  # fmt: skip
+    """`pair_forces` of all pairs of one kind, a share on each thread. A parallel loop takes records of values, but none of records."""
+    parts, count = len(force), len(first)
+    for part in numba.prange(parts):
+        pair_forces(
+            law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
+            position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
+            count * part // parts, count * (part + 1) // parts,
+            force[part], torque[part], virial[part], reaction[part], network, tally[part],
+        )  # fmt: skip
+
+
+move_on_threads, clear_on_threads, forces_on_threads = (
+    kernel(function, parallel=True) for function in (_move_on_threads, _clear_on_threads, _forces_on_threads)
+)
+
+
+@kernel
+def all_forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
+    """The forces of all pairs; `threaded` None: on this thread."""
+    if threaded is None:
+        part_forces(groups, bodies, frame, dt, 0, 1, force[0], torque[0], virial[0], reaction[0], tally[0])
+    else:
+        clear_on_threads(force, torque, virial, reaction)
+        nothing = np.empty((0, 3))
+        for group in literal_unroll(groups):
+            roles, rows, past = group.roles, group.rows, group.past
+            forces_on_threads(
+                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, rows.first, rows.partner, rows.image,
+                past.memory, past.slip, past.roll, past.damping, bodies.position, bodies.velocity, bodies.spin, bodies.radius,
+                bodies.one_radius, bodies.mass, bodies.one_mass, frame.shift, frame.speed, frame.gradient, frame.walls, dt,
+                force, torque, virial, reaction, nothing, tally,
+            )  # fmt: skip
+
+
+@kernel
+def move_everything(threaded, bodies, force, torque, before, fade, after, dt, carried, stretch, back, sums):  # type: ignore[no-untyped-def]
+    """`move` of all spheres; `threaded` None: on this thread."""
+    if threaded is None:
+        sums[0, 0], sums[0, 1], sums[0, 2] = move_all(
+            bodies, force, torque, before, fade, after, dt, carried, stretch, back, 0, len(bodies.position)
+        )
+    else:
+        move_on_threads(
+            bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
+            force, torque, before, fade, after, dt, carried, stretch, back, sums,
+        )  # fmt: skip
+
+
+@kernel
+def advance(  # type: ignore[no-untyped-def]
+    threaded, groups, deformation, step, steps, drifted, bodies, cell, old, listed, walls, moving, force, torque, virial, reaction, tally
 ):
     """Take `steps` steps from number `step` of a stage, or fewer if the pair list no longer holds.
 
@@ -280,7 +352,7 @@ def _advance(  # type: ignore[no-untyped-def]
     makes a new list and calls again with `drifted`.
     """
     dt, fade, parts = deformation.dt, math.exp(-deformation.drag * deformation.dt), len(force)
-    count, travel, begun = len(bodies.position), 0.0, drifted
+    travel, begun = 0.0, drifted
     sums, change, gradient = np.zeros((parts, 3)), np.zeros((3, 3)), np.zeros((3, 3))
     speed, middle = np.zeros_like(listed.images), np.zeros((3, 3))
     controlled = deformation.gain[0] + deformation.gain[1] + deformation.gain[2] > 0.0
@@ -302,10 +374,7 @@ def _advance(  # type: ignore[no-untyped-def]
             back = inverse(stretch)
             half, faded = (0.5 * dt, fade) if begun else (0.0, math.sqrt(fade))
             begun = True
-            for part in numba.prange(parts):
-                begin, end = count * part // parts, count * (part + 1) // parts
-                result = move_all(bodies, force, torque, half, faded, 0.5 * dt, dt, carried, stretch, back, begin, end)
-                sums[part, 0], sums[part, 1], sums[part, 2] = result
+            move_everything(threaded, bodies, force, torque, half, faded, 0.5 * dt, dt, carried, stretch, back, sums)
             place_walls(walls, old, cell, moving, carried, dt)
             fastest = 0.0
             for part in range(parts):
@@ -331,16 +400,9 @@ def _advance(  # type: ignore[no-untyped-def]
                 for a in range(3):
                     speed[k, a] /= dt
         frame = Frame(places(listed.images, cell), speed, gradient, walls)
-        for part in numba.prange(parts):
-            part_forces(groups, bodies, frame, dt, part, parts, force[part], torque[part], virial[part], reaction[part], tally[part])
+        all_forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction, tally)
         tally[0, WORK] += done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt)
-    for part in numba.prange(parts):
-        begin, end = count * part // parts, count * (part + 1) // parts
-        result = move_all(bodies, force, torque, 0.5 * dt, math.sqrt(fade), 0.0, 0.0, dt < 0.0, cell, cell, begin, end)
-        sums[part, 0], sums[part, 1], sums[part, 2] = result
+    move_everything(threaded, bodies, force, torque, 0.5 * dt, math.sqrt(fade), 0.0, 0.0, dt < 0.0, cell, cell, sums)
     for part in range(parts):
         tally[0, DRAGGED] += sums[part, 0]
     return step + steps, False
-
-
-advance, advance_on_threads = kernel(_advance), kernel(_advance, parallel=True)

@@ -31,6 +31,7 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
     yield from bodies.problems_with(scene.particles)
     yield from boxes.problems_with(scene.box)
     yield from _contact_problems(scene)
+    yield from _wall_problems(scene)
     yield from _programme_problems(scene)
     for name, low, high in (("inertial_number", 0.0, 1.0), ("time_step_fraction", 0.0, 1.0), ("skin", 0.0, 10.0)):
         value = getattr(scene, name)
@@ -53,6 +54,16 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
     for name in ("outputs", "frames", "threads"):
         if getattr(scene, name) < 1:
             yield Problem(name, getattr(scene, name), "must be at least 1", "ask for some output")
+
+
+def _wall_problems(scene: Scene) -> Iterator[Problem]:
+    """Spheres whose centres lie in a wall or beyond it."""
+    bodies = scene.particles
+    for name, wall, length, place in zip("xyz", scene.walls, scene.box.lengths, bodies.position.T, strict=True):
+        outside = np.flatnonzero(~((place > 0.0) & (place < length)))
+        if wall and len(outside):
+            bound = f"sphere {int(bodies.id[outside[0]])} lies beyond the walls at 0 and {length:g} m"
+            yield Problem(f"position {name}", float(place[outside[0]]), bound, "move it into the box, or make the box larger")
 
 
 def _contact_problems(scene: Scene) -> Iterator[Problem]:
@@ -139,6 +150,8 @@ def overlap_problems(scene: Scene, overlap: float) -> Iterator[Problem]:
 
 def typical_force(scene: Scene, strain: float | None = None) -> float:
     """Force in N of a contact whose spheres of the mean radius are pressed by `strain`; None: by the largest of the programme."""
+    if not scene.particles.size:
+        return 0.0
     law, radius = scene.contact.normal, float(np.mean(scene.particles.radii))
     strain = (largest_strain(scene) or SERVO_STRAIN) if strain is None else strain
     state = dispatch.initial_state(law)

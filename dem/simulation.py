@@ -124,6 +124,9 @@ def _end_of(work: Working, number: int, dt: float) -> str | None:
     """Why a run cannot go on, None if it can."""
     if not (np.isfinite(work.bodies.position).all() and np.isfinite(work.bodies.velocity).all()):
         return f"the motion diverged before output {number}: take a smaller time_step_fraction (the step is {dt:.3g} s)"
+    for axis, side, place, _ in work.walls.tolist():
+        if bool(np.any(side * (work.bodies.position[:, int(axis)] - place) <= 0.0)):
+            return f"before output {number} a sphere went through a wall: load less, or slower, or take a smaller time_step_fraction"
     deepest = float(work.tally[:, LARGEST].max())
     if deepest >= 1.0:
         return f"before output {number} a sphere was pressed by {deepest:.3g} of its radius, where the body ends: load less, or slower"
@@ -138,7 +141,7 @@ def _rested(scene: Scene, work: Working, plan: Plan, settings: QuasiStatic, stag
     load = LOAD_SHARE * requirements.typical_force(scene)
 
     def critical(overlap: float) -> float:
-        return scene_time_step(scene, overlap, 1.0).critical
+        return scene_time_step(scene, overlap, 1.0).critical if scene.particles.size else 1.0
 
     parts = max(1, math.ceil(change / settings.strain_step * (1.0 - 1e-9)))
     for k in range(parts):

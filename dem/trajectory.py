@@ -121,7 +121,7 @@ def _step_over_critical(scene: Scene, relative_overlap: float, steps: list[float
     if not scene.particles.size or relative_overlap == 0.0 or not steps:
         return 0.0
     overlap = 2.0 * relative_overlap * float(scene.particles.radii.max())
-    return max(steps) / scene_time_step(scene, overlap, 1.0).critical
+    return max(steps, default=0.0) / scene_time_step(scene, overlap, 1.0).critical
 
 
 def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[str, Any], beyond: list[Beyond]) -> Iterator[str]:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from contactlaws import dispatch, pair
 from dem.box import Box
 from dem.forces import LOST, TALLIES, Bodies, Frame, Past, Roles, Rows, forces
-from dem.motion import Deformation, Listed, advance, advance_on_threads, part_forces
+from dem.motion import Deformation, Listed, advance, part_forces
 from dem.neighbours import cell_order, codes_of, neighbours, rows_before
 from dem.scene import Contact, Scene
 
@@ -167,13 +167,13 @@ def follow(work: Working, deformation: Deformation, step: int, steps: int, movin
     """
     end, drifted, lists = step + steps, False, 0
     threads = len(work.force)
-    go = advance if threads == 1 else advance_on_threads
+    threaded = None if threads == 1 else True
     if threads > 1 and not numba.config.DISABLE_JIT:
         numba.set_num_threads(threads)
     while step < end:
-        step, drifted = go(
-            work.groups, deformation, step, end - step, drifted, work.bodies, work.cell, work.old, work.listed, work.walls, moving_walls,
-            work.force, work.torque, work.virial, work.reaction, work.tally,
+        step, drifted = advance(
+            threaded, work.groups, deformation, step, end - step, drifted, work.bodies, work.cell, work.old, work.listed, work.walls,
+            moving_walls, work.force, work.torque, work.virial, work.reaction, work.tally,
         )  # fmt: skip
         if not np.isfinite(work.bodies.position).all():
             break

@@ -222,7 +222,7 @@ def test_the_loading_has_no_corner(poissons_ratio: float):
 def test_an_overlap_that_is_not_a_number_gives_no_force(largest: float):
     """A diverged simulation must not go on unnoticed."""
     law = body(whole_range, 50.0)
-    assert math.isnan(whole_range_force(law, math.nan, 0.0, 0.0, (largest, 0.0, 0.0))[0])
+    assert math.isnan(whole_range_force(law, math.nan, 0.0, 0.0, (largest, 0.0, 0.0, 0.0, 0.0, 0.0))[0])
 
 
 @MAKERS
