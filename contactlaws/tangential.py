@@ -46,7 +46,7 @@ class Damper(NamedTuple):
 def mindlin(friction: float, material_1: Material, material_2: Material | None = None) -> Mindlin:
     """Friction of spheres of one material or of two; a rigid partner is one of a very large modulus. Raises `InputError`.
 
-    >>> mindlin(0.5, Material(142e9, 0.25)).shear_modulus / (142e9 / 2.5 / 3.5)
+    >>> round(mindlin(0.5, Material(142e9, 0.25)).shear_modulus / (142e9 / 2.5 / 3.5), 12)
     1.0
     """
     pair = (material_1, material_2 or material_1)

@@ -282,7 +282,12 @@ def test_a_finished_result_comes_with_its_warnings(capfd: pytest.CaptureFixture[
     from cases.batch.task import Task
     from cases.progress import Progress
 
-    statistics = {"energy_balance": 2e-4, "dt_over_critical": [0.4, 0.3], "time_step_over_critical_at_largest_overlap": 0.45}
+    statistics = {
+        "energy_balance": 2e-4,
+        "dt_over_critical": [0.4, 0.3],
+        "time_step_over_critical_at_largest_overlap": 0.45,
+        "steps": 100,
+    }
     scene = {"notes": ["periodic: no walls"], "warnings": ["inertia [shows]"], "statistics": statistics}
     tasks = [Task("fits", "law", {}), Task("scenes", "a", {}), Task("scenes", "b", {})]
     records = [
