@@ -67,8 +67,8 @@ def failures(results: Results) -> list[dict[str, str]]:
 
 
 def _of(setting: Setting, quantity: str, results: Results, seeds: Sequence[int] | None = None) -> FloatArray:
-    """Values on the packings of `seeds`, None: on all there are; NaN where a run stopped."""
-    own = [seed for other, seed in results if other == setting] if seeds is None else seeds
+    """Values on the packings of `seeds`, NaN where a run stopped; None: on all whose run did not."""
+    own = [seed for (other, seed), found in results.items() if other == setting and not found["stopped"]] if seeds is None else seeds
     return np.array([results[setting, seed].get(quantity, math.nan) for seed in own])
 
 
@@ -106,7 +106,7 @@ def _model_rows(axis: Axis, plan: Plan, results: Results) -> Iterator[Row]:
 def _size_rows(plan: Plan, results: Results) -> Iterator[Row]:
     """One packing of so many spheres against the mean of the largest ones."""
     between, largest = scatter(plan, results), Setting(spheres=plan.sizes[-1][0])
-    for spheres, packings in plan.sizes[:-1]:
+    for spheres, _ in plan.sizes[:-1]:
         setting = Setting(spheres=spheres)
         seconds, steps = cost_of(setting, results)
         for quantity in QUANTITIES:
@@ -117,7 +117,7 @@ def _size_rows(plan: Plan, results: Results) -> Iterator[Row]:
                 axis=SIZE,
                 choice=f"{spheres} spheres",
                 spheres=spheres,
-                packings=packings,
+                packings=len(own),
                 quantity=quantity,
                 error=float(np.sqrt(np.mean((own - 1.0) ** 2))),
                 bias=float(own.mean() - 1.0),
@@ -126,7 +126,7 @@ def _size_rows(plan: Plan, results: Results) -> Iterator[Row]:
                 cpu_seconds=seconds,
                 steps=steps,
                 usual=setting == USUAL,
-                reference=f"mean of {plan.sizes[-1][1]} packings of {largest.spheres}",
+                reference=f"mean of {len(finest)} packings of {largest.spheres}",
             )
 
 
