@@ -11,8 +11,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numba
 import numpy as np
 import numpy.typing as npt
+from numba import literal_unroll
 
 from contactlaws import dispatch, pair
 from contactlaws.compiled import kernel
@@ -343,17 +345,52 @@ def pair_forces(  # type: ignore[no-untyped-def]
     tally[LARGEST] = max(tally[LARGEST], share * largest)
 
 
+def _forces_on_threads(  # type: ignore[no-untyped-def]
+    law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
+    position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
+    force, torque, virial, reaction, network, tally,
+):  # fmt: skip
+    """`pair_forces` of all pairs of one kind, a share on each thread. A parallel loop takes records of values, but none of records."""
+    parts, count = len(force), len(first)
+    for part in numba.prange(parts):
+        pair_forces(
+            law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
+            position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
+            count * part // parts, count * (part + 1) // parts,
+            force[part], torque[part], virial[part], reaction[part], network, tally[part],
+        )  # fmt: skip
+
+
+forces_on_threads = kernel(_forces_on_threads, parallel=True)
+
+
 @kernel
-def forces(roles, rows, past, bodies, frame, dt, part, parts, force, torque, virial, reaction, network, tally):  # type: ignore[no-untyped-def]
-    """`pair_forces` for the share `part` of `parts` of one kind's pairs, with its records taken apart: only arguments are compiled away."""
-    count = len(rows.first)
-    begin, end = count * part // parts, count * (part + 1) // parts
-    pair_forces(
-        roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, rows.first, rows.partner, rows.image,
-        past.memory, past.slip, past.roll, past.damping, bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius,
-        bodies.mass, bodies.one_mass, frame.shift, frame.speed, frame.gradient, frame.walls, dt, begin, end,
-        force, torque, virial, reaction, network, tally,
-    )  # fmt: skip
+def forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
+    """The forces of all pairs, with the records taken apart: only arguments are compiled away. `threaded` None: on this thread.
+
+    Each thread computes its share of the pairs into sums of its own, the rows of `force` and so on.
+    """
+    for sums in (force, torque, virial, reaction):
+        for part in range(sums.shape[0]):
+            for i in range(sums.shape[1]):
+                sums[part, i, 0], sums[part, i, 1], sums[part, i, 2] = 0.0, 0.0, 0.0
+    nothing = np.empty((0, 3))
+    for group in literal_unroll(groups):
+        roles, rows, past = group.roles, group.rows, group.past
+        if threaded is None:
+            pair_forces(
+                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, rows.first, rows.partner, rows.image,
+                past.memory, past.slip, past.roll, past.damping, bodies.position, bodies.velocity, bodies.spin, bodies.radius,
+                bodies.one_radius, bodies.mass, bodies.one_mass, frame.shift, frame.speed, frame.gradient, frame.walls, dt,
+                0, len(rows.first), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
+            )  # fmt: skip
+        else:
+            forces_on_threads(
+                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, rows.first, rows.partner, rows.image,
+                past.memory, past.slip, past.roll, past.damping, bodies.position, bodies.velocity, bodies.spin, bodies.radius,
+                bodies.one_radius, bodies.mass, bodies.one_mass, frame.shift, frame.speed, frame.gradient, frame.walls, dt,
+                force, torque, virial, reaction, nothing, tally,
+            )  # fmt: skip
 
 
 @kernel

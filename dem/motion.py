@@ -21,10 +21,9 @@ from typing import NamedTuple
 import numba
 import numpy as np
 import numpy.typing as npt
-from numba import literal_unroll
 
 from contactlaws.compiled import kernel
-from dem.forces import DRAGGED, WORK, Frame, forces, pair_forces
+from dem.forces import DRAGGED, WORK, Frame, forces
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -182,15 +181,6 @@ def move(  # type: ignore[no-untyped-def]
 
 
 @kernel
-def move_all(bodies, force, torque, before, fade, after, dt, carried, stretch, back, begin, end):  # type: ignore[no-untyped-def]
-    """`move` with its record taken apart: only arguments are compiled away."""
-    return move(
-        bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
-        force, torque, before, fade, after, dt, carried, stretch, back, begin, end,
-    )  # fmt: skip
-
-
-@kernel
 def done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt):  # type: ignore[no-untyped-def]
     """Half the work in J that the boundary does on contacts in a step: with the forces of its start, or of its end."""
     if still:
@@ -258,17 +248,6 @@ def slack(listed, cell, affine):  # type: ignore[no-untyped-def]
     return listed.skin - math.sqrt(square) * (listed.reach + listed.skin)
 
 
-@kernel
-def part_forces(groups, bodies, frame, dt, part, parts, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
-    """One thread's share of the forces: of each kind of pair the same share of its rows."""
-    for array in (force, torque, virial, reaction):
-        for i in range(array.shape[0]):
-            array[i, 0], array[i, 1], array[i, 2] = 0.0, 0.0, 0.0
-    nothing = np.empty((0, 3))
-    for group in literal_unroll(groups):
-        forces(group.roles, group.rows, group.past, bodies, frame, dt, part, parts, force, torque, virial, reaction, nothing, tally)
-
-
 def _move_on_threads(  # type: ignore[no-untyped-def]
     position, velocity, spin, radius, one_radius, mass, one_mass, force, torque, before, fade, after, dt, carried, stretch, back, sums
 ):
@@ -282,57 +261,17 @@ def _move_on_threads(  # type: ignore[no-untyped-def]
         sums[part, 0], sums[part, 1], sums[part, 2] = taken, given, fastest
 
 
-def _clear_on_threads(force, torque, virial, reaction):  # type: ignore[no-untyped-def]
-    for part in numba.prange(len(force)):
-        force[part], torque[part], virial[part], reaction[part] = 0.0, 0.0, 0.0, 0.0
-
-
-def _forces_on_threads(  # type: ignore[no-untyped-def]
-    law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
-    position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
-    force, torque, virial, reaction, network, tally,
-):  # fmt: skip
-    """`pair_forces` of all pairs of one kind, a share on each thread. A parallel loop takes records of values, but none of records."""
-    parts, count = len(force), len(first)
-    for part in numba.prange(parts):
-        pair_forces(
-            law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
-            position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
-            count * part // parts, count * (part + 1) // parts,
-            force[part], torque[part], virial[part], reaction[part], network, tally[part],
-        )  # fmt: skip
-
-
-move_on_threads, clear_on_threads, forces_on_threads = (
-    kernel(function, parallel=True) for function in (_move_on_threads, _clear_on_threads, _forces_on_threads)
-)
-
-
-@kernel
-def all_forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
-    """The forces of all pairs; `threaded` None: on this thread."""
-    if threaded is None:
-        part_forces(groups, bodies, frame, dt, 0, 1, force[0], torque[0], virial[0], reaction[0], tally[0])
-    else:
-        clear_on_threads(force, torque, virial, reaction)
-        nothing = np.empty((0, 3))
-        for group in literal_unroll(groups):
-            roles, rows, past = group.roles, group.rows, group.past
-            forces_on_threads(
-                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, rows.first, rows.partner, rows.image,
-                past.memory, past.slip, past.roll, past.damping, bodies.position, bodies.velocity, bodies.spin, bodies.radius,
-                bodies.one_radius, bodies.mass, bodies.one_mass, frame.shift, frame.speed, frame.gradient, frame.walls, dt,
-                force, torque, virial, reaction, nothing, tally,
-            )  # fmt: skip
+move_on_threads = kernel(_move_on_threads, parallel=True)
 
 
 @kernel
 def move_everything(threaded, bodies, force, torque, before, fade, after, dt, carried, stretch, back, sums):  # type: ignore[no-untyped-def]
-    """`move` of all spheres; `threaded` None: on this thread."""
+    """`move` of all spheres, with the record taken apart: only arguments are compiled away. `threaded` None: on this thread."""
     if threaded is None:
-        sums[0, 0], sums[0, 1], sums[0, 2] = move_all(
-            bodies, force, torque, before, fade, after, dt, carried, stretch, back, 0, len(bodies.position)
-        )
+        sums[0, 0], sums[0, 1], sums[0, 2] = move(
+            bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
+            force, torque, before, fade, after, dt, carried, stretch, back, 0, len(bodies.position),
+        )  # fmt: skip
     else:
         move_on_threads(
             bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
@@ -352,7 +291,8 @@ def advance(  # type: ignore[no-untyped-def]
     makes a new list and calls again with `drifted`.
     """
     dt, fade, parts = deformation.dt, math.exp(-deformation.drag * deformation.dt), len(force)
-    travel, begun = 0.0, drifted
+    begun = drifted
+    travel = farthest(bodies.position, listed, cell if deformation.affine else listed.cell)  # since the list was made, maybe calls ago
     sums, change, gradient = np.zeros((parts, 3)), np.zeros((3, 3)), np.zeros((3, 3))
     speed, middle = np.zeros_like(listed.images), np.zeros((3, 3))
     controlled = deformation.gain[0] + deformation.gain[1] + deformation.gain[2] > 0.0
@@ -400,7 +340,7 @@ def advance(  # type: ignore[no-untyped-def]
                 for a in range(3):
                     speed[k, a] /= dt
         frame = Frame(places(listed.images, cell), speed, gradient, walls)
-        all_forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction, tally)
+        forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction, tally)
         tally[0, WORK] += done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt)
     move_everything(threaded, bodies, force, torque, 0.5 * dt, math.sqrt(fade), 0.0, 0.0, dt < 0.0, cell, cell, sums)
     for part in range(parts):

@@ -13,18 +13,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from numba import literal_unroll
 
 from contactlaws.compiled import kernel
-from dem.forces import DRAGGED, WORK, Frame, Past, Roles, Rows
+from dem.forces import DRAGGED, WORK, Frame, Past, forces
 from dem.measure import energies, largest_overlap, network, stress_tensor
-from dem.motion import farthest, part_forces, slack
+from dem.motion import farthest, slack
 from dem.scene import QuasiStatic
-from dem.working import Working, relisted
+from dem.working import Working, relisted, threaded
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -63,13 +63,11 @@ class Rest(NamedTuple):
         )
 
 
-class Trial(NamedTuple):
-    """The pairs of one kind, what they remember in a trial, and what they remembered at the last equilibrium."""
+class Memories(NamedTuple):
+    """What the contacts of one kind remember in a trial, and what they remembered at the last equilibrium."""
 
-    roles: Roles
-    rows: Rows
-    past: Past
-    before: Past
+    now: Past
+    then: Past
 
 
 class Search(NamedTuple):
@@ -111,17 +109,17 @@ def place_rates(velocity, spin, position, search):  # type: ignore[no-untyped-de
 
 
 @kernel
-def evaluate(groups, search, bodies, frame, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
-    """The forces of a trial, as if the whole step lay between it and the last equilibrium."""
-    for group in literal_unroll(groups):
-        past, before = group.past, group.before
-        restore(past.memory, past.slip, past.roll, past.damping, before.memory, before.slip, before.roll, before.damping)
+def evaluate(threaded, groups, pasts, search, bodies, frame, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
+    """The forces of a trial, as if the whole step lay between it and the last equilibrium.
+
+    `pasts` is what the contacts of each kind remember, now and then.
+    """
+    for kind in literal_unroll(pasts):
+        past, had = kind.now, kind.then
+        restore(past.memory, past.slip, past.roll, past.damping, had.memory, had.slip, had.roll, had.damping)
     tally[:] = search.tally
     place_rates(bodies.velocity, bodies.spin, bodies.position, search)
-    for part in range(len(force)):
-        part_forces(
-            groups, bodies, frame, search.duration, part, len(force), force[part], torque[part], virial[part], reaction[part], tally[part]
-        )
+    forces(threaded, groups, bodies, frame, search.duration, force, torque, virial, reaction, tally)
 
 
 @kernel
@@ -168,7 +166,9 @@ def step_back(place, velocity, dt):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def iterate(groups, search, count, bodies, masses, inertias, frame, listed, cell, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
+def iterate(  # type: ignore[no-untyped-def]
+    threaded, groups, pasts, search, count, bodies, masses, inertias, frame, listed, cell, force, torque, virial, reaction, tally
+):
     """Up to `count` iterations, fewer if the pair list no longer holds; returns their number and whether it holds."""
     pace, room = search.pace, 0.5 * slack(listed, cell, True)
     for iteration in range(count):
@@ -188,7 +188,7 @@ def iterate(groups, search, count, bodies, masses, inertias, frame, listed, cell
         push(search.turned, search.spin, torque, inertias, pace[0], keep, share)
         if farthest(bodies.position, listed, cell) > room:
             return iteration + 1, False
-        evaluate(groups, search, bodies, frame, force, torque, virial, reaction, tally)
+        evaluate(threaded, groups, pasts, search, bodies, frame, force, torque, virial, reaction, tally)
     return count, True
 
 
@@ -257,8 +257,10 @@ class _Stand(NamedTuple):
     image_rate: FloatArray
 
     @property
-    def trials(self) -> tuple[Trial, ...]:
-        return tuple(Trial(*group, past) for group, past in zip(self.work.groups, self.before, strict=True))
+    def trial(self) -> tuple[Any, ...]:
+        """What `evaluate` begins with."""
+        pasts = tuple(Memories(group.past, before) for group, before in zip(self.work.groups, self.before, strict=True))
+        return threaded(self.work), self.work.groups, pasts, self.search
 
     @property
     def frame(self) -> Frame:
@@ -279,7 +281,7 @@ class _Stand(NamedTuple):
         work = self.work
         room = 0.5 * slack(work.listed, work.cell, True)
         stand = self if farthest(work.bodies.position, work.listed, work.cell) <= room else self.relisted()
-        evaluate(stand.trials, stand.search, stand.work.bodies, stand.frame, *stand.sums)
+        evaluate(*stand.trial, stand.work.bodies, stand.frame, *stand.sums)
         return stand
 
 
@@ -292,7 +294,7 @@ def _found(work: Working, search: Search, gradient: FloatArray, image_rate: Floa
         if rest.found or done >= settings.most or not np.isfinite(stand.work.force).all():
             return stand.work, rest
         some, holds = iterate(
-            stand.trials, search, settings.look, stand.work.bodies, masses, inertias, stand.frame, stand.work.listed, stand.work.cell,
+            *stand.trial, settings.look, stand.work.bodies, masses, inertias, stand.frame, stand.work.listed, stand.work.cell,
             *stand.sums,
         )  # fmt: skip
         done += some

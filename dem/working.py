@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from contactlaws import dispatch, pair
 from dem.box import Box
-from dem.forces import LOST, TALLIES, Bodies, Frame, Past, Roles, Rows, forces
-from dem.motion import Deformation, Listed, advance, part_forces
+from dem.forces import LOST, TALLIES, Bodies, Frame, Past, Roles, Rows, forces, pair_forces
+from dem.motion import Deformation, Listed, advance
 from dem.neighbours import cell_order, codes_of, neighbours, rows_before
 from dem.scene import Contact, Scene
 
@@ -138,11 +138,10 @@ def working(scene: Scene) -> Working:
 
 def renew_forces(work: Working, gradient: FloatArray | None = None, dt: float = 0.0) -> None:
     """Compute the forces of the state as it is, `dt` (s) after they were computed last, in a box of this velocity gradient (1/s)."""
-    images, parts = work.listed.images, len(work.force)
+    images = work.listed.images
     frame = Frame(images @ work.cell, np.zeros_like(images), np.zeros((3, 3)) if gradient is None else gradient, work.walls)
-    for part in range(parts):
-        sums = (work.force[part], work.torque[part], work.virial[part], work.reaction[part], work.tally[part])
-        part_forces(work.groups, work.bodies, frame, dt, part, parts, *sums)
+    sums = (work.force, work.torque, work.virial, work.reaction, work.tally)
+    forces(threaded(work), work.groups, work.bodies, frame, dt, *sums)
 
 
 def _new_group(contact: Contact, many: bool, wall: bool, carry: tuple[str, ...]) -> Group:
@@ -160,19 +159,24 @@ def _new_group(contact: Contact, many: bool, wall: bool, carry: tuple[str, ...])
     return Group(roles, Rows(nobody, nobody, None if wall else np.zeros(0, np.uint16)), past)
 
 
+def threaded(work: Working) -> bool | None:
+    """Whether the kernels run on several threads, and see to it that numba has as many; None: no."""
+    if len(work.force) == 1:
+        return None
+    if not numba.config.DISABLE_JIT:
+        numba.set_num_threads(len(work.force))
+    return True
+
+
 def follow(work: Working, deformation: Deformation, step: int, steps: int, moving_walls: float = 0.0) -> tuple[Working, int]:
     """Take `steps` steps of a stage from number `step` on; return the state and how many new pair lists it took.
 
     Stops early, with positions that are not finite, if the motion diverges.
     """
     end, drifted, lists = step + steps, False, 0
-    threads = len(work.force)
-    threaded = None if threads == 1 else True
-    if threads > 1 and not numba.config.DISABLE_JIT:
-        numba.set_num_threads(threads)
     while step < end:
         step, drifted = advance(
-            threaded, work.groups, deformation, step, end - step, drifted, work.bodies, work.cell, work.old, work.listed, work.walls,
+            threaded(work), work.groups, deformation, step, end - step, drifted, work.bodies, work.cell, work.old, work.listed, work.walls,
             moving_walls, work.force, work.torque, work.virial, work.reaction, work.tally,
         )  # fmt: skip
         if not np.isfinite(work.bodies.position).all():
@@ -291,9 +295,10 @@ def forces_between(work: Working) -> list[FloatArray]:
     found = []
     frame = Frame(work.listed.images @ work.cell, np.zeros_like(work.listed.images), np.zeros((3, 3)), work.walls)
     for group in work.groups:
-        past = Past(*(None if array is None else array.copy() for array in group.past))
-        network = np.zeros((len(group.rows.first), 3))
+        roles, rows = group.roles, group.rows
+        past = (None if array is None else array.copy() for array in group.past)
+        network = np.zeros((len(rows.first), 3))
         sums = (np.zeros_like(work.force[0]), np.zeros_like(work.torque[0]), np.zeros((3, 3)), np.zeros_like(work.reaction[0]))
-        forces(group.roles, group.rows, past, work.bodies, frame, 0.0, 0, 1, *sums, network, np.zeros(TALLIES))
+        pair_forces(*roles, *rows, *past, *work.bodies, *frame, 0.0, 0, len(rows.first), *sums, network, np.zeros(TALLIES))
         found.append(network)
     return found

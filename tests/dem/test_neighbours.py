@@ -9,8 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from contactlaws.elastic import Hertz
 from dem.box import Box, wrapped
+from dem.motion import Deformation
 from dem.neighbours import PairList, codes_of, neighbours, rows_before
+from dem.particles import spheres
+from dem.scene import Contact, Scene, hold
+from dem.working import follow, working
 
 
 def brute_force(position: np.ndarray, radii: np.ndarray, box: Box, skin: float) -> set[tuple[int, int, tuple[int, ...]]]:
@@ -113,3 +118,14 @@ def test_a_sheared_box_finds_the_pairs_of_the_same_lattice(angle: float) -> None
 @pytest.mark.parametrize("periodic", [(True, True, True), (False, True, False), (False, False, False)])
 def test_no_particles(periodic: tuple[bool, bool, bool]) -> None:
     assert not len(neighbours(np.zeros((0, 3)), np.zeros(0), Box((1.0, 1.0, 1.0), periodic), 0.1).partner)
+
+
+def test_spheres_are_found_however_often_a_run_is_looked_at() -> None:
+    """Two spheres that meet after many skins of free flight; every call goes on for a fraction of the way that the list allows for."""
+    start, speed, dt = np.array([[1.5, 4.0, 4.0], [6.5, 4.0, 4.0]]), 1.0, 0.002
+    bodies = spheres(start, 1.0, 1.0, np.array([[speed, 0.0, 0.0], [-speed, 0.0, 0.0]]))
+    work = working(Scene(bodies, Box((8.0, 8.0, 8.0)), Contact(Hertz(1.0, 1e3)), (hold(1.0),), skin=0.05))
+    for step in range(1500):  # first contact after 750
+        work, _ = follow(work, Deformation(work.cell, work.cell, 10**6, dt), step, 1)
+    velocity = work.bodies.velocity[np.argsort(work.order)]
+    np.testing.assert_allclose(velocity[:, 0], [-speed, speed], rtol=1e-3)  # back as they came; the step makes up the rest
