@@ -1,4 +1,7 @@
-"""`python -m cases.wahn_gan_kamlah_2022 [--out DIR]`: numbers, tables, figures and the page; about four CPU minutes."""
+"""`python -m cases.wahn_gan_kamlah_2022 [--out DIR] [--packings [--quick]]`: numbers, tables, figures and the page.
+
+Two spheres, about four CPU minutes; with --packings section 5 instead, about eight, or one with --quick.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from cases.batch.store import problems_with_folder
 from cases.report import plots
 from cases.tradeoff.page import write_csv
 from cases.verification import viscoelastic_extremes
-from cases.wahn_gan_kamlah_2022 import accuracy, figures, gap, numbers, page, trade
+from cases.wahn_gan_kamlah_2022 import accuracy, figures, gap, numbers, packing_page, page, trade
 from cases.wahn_gan_kamlah_2022.material import HISTORIES, OVERLAP, PUBLISHED, RADIUS, TOGETHER
 from contactlaws.curve_files import write_curve
 from contactlaws.errors import InputError, require
@@ -71,9 +74,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m cases.wahn_gan_kamlah_2022", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("results/wahn_gan_kamlah_2022"), help="where to write")
     parser.add_argument("--tolerance", type=float, default=0.005, help="of the finite elements")
+    parser.add_argument("--packings", action="store_true", help="the packings of section 5, not the two spheres")
+    parser.add_argument("--quick", action="store_true", help="few and small packings")
     given = parser.parse_args(arguments)
     try:
         require(problems_with_folder("--out", given.out))
+        if given.packings:
+            print(packing_page.make(given.out, given.quick, _say))
+            return 0
         print(make(given.out, given.tolerance))
     except InputError as error:
         print(error, file=sys.stderr)

@@ -1,0 +1,154 @@
+"""Every statement of section 5.2, rates, densities and relaxation, and what theory says of jammed packings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from cases.edmans_sinka_2020.facts import PARTLY, verdict
+from cases.wahn_gan_kamlah_2022.jamming import Exponents
+from cases.wahn_gan_kamlah_2022.numbers import half_space, pair_at
+from cases.wahn_gan_kamlah_2022.packing_facts import (
+    LATE,
+    PAPER_STRESS,
+    RUBBING,
+    SMOOTH,
+    Judged,
+    both,
+    excess,
+    listed,
+    long_term,
+    percent,
+    within,
+)
+from cases.wahn_gan_kamlah_2022.packing_runs import SWEEP, TIMES, rated, threshold
+from cases.wahn_gan_kamlah_2022.packings import Band, Runs, band
+
+FIGURE = "5.2, Fig. 15"
+
+
+def left(runs: Runs, time: float, friction: float) -> Band:
+    """Overstress left in a packing of Fig. 15 at the end of the loading, over that of an infinitely fast one."""
+    at_end = [{r.seed: r.at(LATE["15"]) for r in runs.of("15", name, friction)} for name in ("E_soft", "E_stiff", rated(time))]
+    seeds = sorted(set.intersection(*(set(values) for values in at_end)))
+    rows = ([values[seed] for values in at_end] for seed in seeds)
+    return band((own - soft) / (stiff - soft) for soft, stiff, own in rows if soft > threshold("PVDF"))
+
+
+def pair_share(time: float) -> float:
+    """The same for two spheres."""
+    law = half_space()
+    slow, fast = pair_at(law, 1e9), pair_at(law, 1e-9)
+    return (pair_at(law, time, steps=2000) - slow) / (fast - slow)
+
+
+def between_limits(runs: Runs) -> Judged:
+    rows = [(t, left(runs, t, RUBBING), left(runs, t, SMOOTH)) for t in TIMES]
+    ours = "; ".join(f"{t:g} s: {a.text('.3f')}, pair {pair_share(t):.3f}" for t, a, _ in rows)
+    smooth = "; ".join(f"{t:g} s: {b.text('.3f')}" for t, _, b in rows if b.packings)
+    reason = (
+        f"Share of the overstress left at 0.5 %, μ = {RUBBING:g}; 0 and 1 are the limits. After slow loading more is left than of a pair: "
+        "contacts of a packing are made all along. After fast loading less, for the tangential springs of MZ have the long-term modulus, "
+        f"those of E_stiff the stiff one. Without friction: {smooth}."
+    )
+    inside = [all(b.least >= 0.0 and b.most <= 1.0 for _, *bands in rows if (b := bands[k]).packings) for k in (0, 1)]
+    return Judged(FIGURE, "all rates lie between the two limits", "yes", ours, verdict(all(inside), inside[0]), reason)
+
+
+def limits_reached(runs: Runs) -> Judged:
+    fast, slow = excess(runs, "15", rated(0.1), "E_stiff", RUBBING), excess(runs, "15", rated(50.0), "E_soft", RUBBING)
+    ours = f"10 1/s (0.1 s): {percent(fast)} from the fast limit; 0.02 1/s (50 s): {percent(slow)} from the slow one"
+    close = max(abs(fast.mean), abs(slow.mean)) < 0.03
+    return Judged(
+        FIGURE, "rates 10 and 0.02 1/s reproduce the limits", "sufficient accuracy", ours, verdict(close), "Stress at 0.5 %, at rest."
+    )
+
+
+def stiffer_at_first(runs: Runs) -> Judged:
+    one, other = "MZ in 1 s, in motion", "MZ in 1 s"
+    found = excess(runs, "15", one, other, RUBBING, 0.001)
+    reason = f"In motion over at rest at 0.1 % of strain; at 0.5 %: {both(runs, '15', one, other)}. Inertia and drag, as the paper says."
+    return Judged(
+        FIGURE, "in motion MZ is stiffer at the beginning", "“kinetic energy”", both(runs, "15", one, other, 0.001),
+        verdict(found.least > 0.0, found.mean > 0.0), reason,
+    )  # fmt: skip
+
+
+def density(runs: Runs) -> Judged:
+    texts, slow = [], {}
+    numbers = sorted({r.name for r in runs.all if r.figure == "density" and r.name != "at rest"}, key=float, reverse=True)
+    for friction in (RUBBING, SMOOTH):
+        rest = runs.of("density", "at rest", friction)[0].at(LATE["15"])
+        moved = [runs.of("density", number, friction)[0] for number in numbers]
+        over = [100.0 * (r.at(LATE["15"]) / rest - 1.0) if rest > threshold("PVDF") else math.nan for r in moved]
+        words = ", ".join(f"×{r.density_scaling:.0e} {value:+.1f} %" for r, value in zip(moved, over, strict=True))
+        texts.append(f"μ = {friction:g}: {words}")
+        slow[friction] = abs(over[1]) < 5.0
+    reason = (
+        f"One packing: stress at 0.5 % in 1 s over that at rest, masses times so much, inertial numbers {', '.join(numbers)}. Inertia "
+        f"alone "
+        "decides. With friction 1e-3 is slow enough; without it what is slow depends on how near the packing is to falling apart."
+    )
+    claim = "scaling the density by ten changes nothing"
+    return Judged(FIGURE, claim, "almost the same", "; ".join(texts), verdict(all(slow.values()), slow[RUBBING]), reason)
+
+
+def long_term_stress(runs: Runs) -> Judged:
+    found = {mu: long_term(runs, mu) for mu in SWEEP}
+    ours = "; ".join(f"μ = {mu:g}: {1e-6 * b.least:.4f} to {1e-6 * b.most:.4f} MPa" for mu, b in found.items())
+    inside = [mu for mu, b in found.items() if within(b, PAPER_STRESS)]
+    reason = f"The value lies within the band of μ = {listed(inside)}. One packing says little: bands are wide."
+    return Judged("5.2, Fig. 16", "long-term stress at 0.3 %", ".0127 MPa", ours, verdict(bool(inside)), reason)
+
+
+def end_of_rest(runs: Runs, name: str, friction: float) -> Band:
+    """Stress after 9 s of rest over the long-term one, less 1."""
+    pairs = runs.pairs("16", name, "E_soft", friction)
+    return band(own.stress[-1] / soft.at(LATE["16"]) - 1.0 for own, soft in pairs if soft.at(LATE["16"]) > threshold("PVDF"))
+
+
+def relaxation(runs: Runs) -> Judged:
+    names = ("MZ, at rest", "MZ, in motion", "MZ, in motion, fast", "MZ, in motion, fast, BC")
+    ours = "; ".join(f"{name}: {percent(end_of_rest(runs, name, RUBBING))}" for name in names)
+    fast, rest = (end_of_rest(runs, name, RUBBING) for name in ("MZ, in motion, fast", "MZ, at rest"))
+    smooth = "; ".join(f"{name}: {percent(end_of_rest(runs, name, SMOOTH))}" for name in (names[0], names[2]))
+    reason = (
+        f"μ = {RUBBING:g}; stress after 9 s over the long-term one, of which 0.2 % is overstress still to go. Motion on the way up "
+        f"rearranges "
+        "the packing: history, the paper's first guess, by the inertia of scaled masses. Fast is an inertial number of 1e-3, in motion "
+        "alone "
+        f"1e-4. Without friction: {smooth}."
+    )
+    below = fast.most < 0.0, abs(fast.mean) < 0.05
+    claim = "relaxation ends 3 % below the long-term stress"
+    return Judged("5.2, Fig. 16", claim, "−3 %", ours, verdict(all(below) and rest.mean < -0.01, all(below)), reason)
+
+
+RATES = (between_limits, limits_reached, stiffer_at_first, density, long_term_stress, relaxation)
+
+
+def theory(jammed: Sequence[Exponents]) -> list[Judged]:
+    """Jamming and the effective medium."""
+    contacts, pressure = band(e.contacts_exponent for e in jammed), band(e.pressure_exponent for e in jammed)
+    isostatic, medium = band(e.coordination - e.isostatic for e in jammed), band(e.over_medium for e in jammed)
+    at = band(e.fraction for e in jammed)
+    return [
+        Judged(
+            "theory", "smooth spheres jam with 6 contacts each", "z_J = 6 − 4/N",
+            f"z_J less that: {isostatic.text('+.3f')}; φ_J {at.text('.4f')}",
+            verdict(abs(isostatic.mean) < 0.05),
+            "Spheres that are held, let go isotropically; a line over the root of φ − φ_J meets jamming there.",
+        ),
+        Judged(
+            "theory", "z − 6 grows as (φ − φ_J)^½", "0.5", contacts.text(".2f"), verdict(abs(contacts.mean - 0.5) < 0.05),
+            "Slope of logarithms, φ − φ_J from 5e-4 to 1e-2.",
+        ),
+        Judged(
+            "theory", "p grows as (φ − φ_J)^1.5", "1.5", pressure.text(".2f"), verdict(abs(pressure.mean - 1.5) < 0.1),
+            "The same. In a range this wide z grows too, and with it p.",
+        ),
+        Judged(
+            "theory", "effective medium, p = 2/(3π) φ z E* ε^1.5", "1", f"{medium.text('.2f')} of it", PARTLY,
+            "At φ − φ_J = 0.01 with the simulated z. There every contact moves as the box does; in the packing they give way.",
+        ),
+    ]  # fmt: skip
