@@ -23,6 +23,7 @@ class Exponents(NamedTuple):
     seed: int
     fraction: float  # at which it falls apart
     coordination: float  # z_J: of spheres that are held, where a straight line over (phi - phi_J)^1/2 meets jamming
+    last: float  # z of the last state that carries pressure
     isostatic: float  # 6 - 4/N: 3 N - 3 motions apart from the box's own, and one contact more for a pressure
     contacts_exponent: float
     pressure_exponent: float
@@ -42,7 +43,7 @@ def exponents(jammed: Jammed, count: int) -> Exponents:
     above = jammed.coordination[near] - isostatic
     contacts = float(np.polyfit(x[above > 0.0], np.log(above[above > 0.0]), 1)[0])
     ratio = np.interp(MEDIUM_AT, distance[::-1], (jammed.pressure / effective_medium(jammed, fraction))[::-1])
-    return Exponents(jammed.seed, fraction, at_jamming, isostatic, contacts, own, float(ratio))
+    return Exponents(jammed.seed, fraction, at_jamming, float(jammed.coordination[-1]), isostatic, contacts, own, float(ratio))
 
 
 def jamming_fraction(jammed: Jammed) -> float:

@@ -13,14 +13,14 @@ from cases.wahn_gan_kamlah_2022.packings import Band, Run, Runs, band
 
 #: with friction and without
 RUBBING, SMOOTH = max(FRICTIONS), 0.0
-#: the paper's long-term stress at 0.3 % (Pa), the strain at which a bed first carries stress, and its contacts there
-PAPER_STRESS, PAPER_ONSET, PAPER_CONTACTS = 0.0127e6, 0.07, 4.8
+#: the paper's long-term stress at 0.3 % (Pa), the strain at which a bed first carries stress, its fraction and its contacts there
+PAPER_STRESS, PAPER_ONSET, PAPER_FRACTION, PAPER_CONTACTS = 0.0127e6, 0.07, 0.62, 4.8
 #: where curves are compared: far from their first rise
 LATE = {"13": 0.01, "14": 0.01, "15": 0.005, "16": 0.003}
 
 
 class Judged(NamedTuple):
-    """A statement in our words, what the paper gives, what was found, and whether it holds."""
+    """A statement in our words, what the paper gives, what was found, and whether it holds; what was found has one line for each case."""
 
     place: str
     claim: str
@@ -44,7 +44,22 @@ def percent(found: Band) -> str:
 def both(runs: Runs, figure: str, one: str, other: str, strain: float | None = None) -> str:
     """With friction and without."""
     rubbing, smooth = (percent(excess(runs, figure, one, other, f, strain)) for f in (RUBBING, SMOOTH))
-    return f"μ = {RUBBING:g}: {rubbing}; no friction: {smooth}"
+    return f"μ = {RUBBING:g}: {rubbing}\nno friction: {smooth}"
+
+
+def inline(lines: str) -> str:
+    """Lines as a part of a sentence."""
+    return lines.replace("\n", "; ")
+
+
+def power(value: float) -> str:
+    """A large number by its order of magnitude.
+
+    >>> power(2.76e15)
+    '3·10¹⁵'
+    """
+    digit, exponent = f"{value:.0e}".split("e")
+    return f"{digit}·10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def largest(found: Band) -> float:
@@ -71,6 +86,12 @@ def onsets(runs: Sequence[Run]) -> tuple[Band, Band, Band]:
 def from_loose(runs: Runs, friction: float) -> list[Run]:
     """The compressions from .58 with a coefficient."""
     return runs.of("13", "from .58", friction) or runs.of("friction", "13", friction)
+
+
+def more_contacts(runs: Runs, figure: str, one: str, other: str, friction: float, strain: float) -> Band:
+    """Contacts per sphere of one way over those of another at a strain, less 1."""
+    pairs = [(a.contacts_at(strain), b.contacts_at(strain)) for a, b in runs.pairs(figure, one, other, friction)]
+    return band(own / reference - 1.0 for own, reference in pairs if reference > 0.0)
 
 
 def long_term(runs: Runs, friction: float) -> Band:

@@ -10,22 +10,23 @@ from matplotlib.axes import Axes
 from cases.report.plots import COLOURS, GREY, styled
 from cases.wahn_gan_kamlah_2022.figures import Picture, new
 from cases.wahn_gan_kamlah_2022.jamming import Exponents, effective_medium
-from cases.wahn_gan_kamlah_2022.packing_facts import PAPER_STRESS, RUBBING, SMOOTH
+from cases.wahn_gan_kamlah_2022.packing_facts import PAPER_STRESS, RUBBING, SMOOTH, power
 from cases.wahn_gan_kamlah_2022.packing_runs import SWEEP, TIMES, Jammed, rated
+from cases.wahn_gan_kamlah_2022.packing_statements_rates import left, pair_share
 from cases.wahn_gan_kamlah_2022.packings import Run, Runs
 
 MEGA = 1e-6
 TITLES = ((RUBBING, f"friction {RUBBING:g}"), (SMOOTH, "no friction"))
 
 
-def draw(axis: Axes, runs: Sequence[Run], colour: str, label: str, style: str = "-") -> None:
+def draw(axis: Axes, runs: Sequence[Run], colour: str, label: str, style: str = "-", width: float = 1.3) -> None:
     """Mean over packings, and all of them as a band, against strain in per cent."""
     if not runs:
         return
     grid = np.linspace(0.0, max(float(r.strain.max()) for r in runs), 201)
     values = np.array([[r.at(x) for x in grid] for r in runs]) * MEGA
     axis.fill_between(100.0 * grid, values.min(axis=0), values.max(axis=0), color=colour, alpha=0.18, lw=0)
-    axis.plot(100.0 * grid, values.mean(axis=0), style, color=colour, label=label)
+    axis.plot(100.0 * grid, values.mean(axis=0), style, color=colour, label=label, lw=width, alpha=1.0 if width < 2.0 else 0.6)
 
 
 def finish(axes: Sequence[Axes], across: str = "strain (%)") -> None:
@@ -74,17 +75,21 @@ def figure_14(runs: Runs) -> Picture:
     """Routines."""
     figure, axes = pair_of_axes()
     names = (
-        ("HSD, at rest, BCT", "HSD at rest", "-"),
-        ("HSD, in motion, BCT", "HSD in motion, BCT", "--"),
-        ("HSD, in motion, BC", "HSD in motion, BC", ":"),
-        ("MZ in 10 s, at rest, BCT", "MZ in 10 s, at rest", "-"),
-        ("MZ in 10 s, in motion, BCT", "MZ in 10 s, in motion", "--"),
+        ("HSD, at rest, BCT", "HSD at rest", "-", 3.0),
+        ("HSD, in motion, BCT", "HSD in motion, BCT", "--", 1.3),
+        ("HSD, in motion, BC", "HSD in motion, BC", ":", 1.8),
+        ("MZ in 10 s, at rest, BCT", "MZ in 10 s, at rest", "-", 3.0),
+        ("MZ in 10 s, in motion, BCT", "MZ in 10 s, in motion, BCT", "--", 1.3),
     )
     for axis, (friction, _) in zip(axes, TITLES, strict=True):
-        for k, (name, label, style) in enumerate(names):
-            draw(axis, runs.of("14", name, friction), COLOURS[k], label, style)
+        for k, (name, label, style, width) in enumerate(names):
+            draw(axis, runs.of("14", name, friction), COLOURS[k], label, style, width)
     finish(axes)
-    return Picture("figure_14", figure, "Fig. 14 again: NMC at about .635 compressed by 1 %; at rest is the quasi-static routine.")
+    caption = (
+        "Fig. 14 again: NMC at about .635 compressed by 1 %. Lines are means over packings, bands all packings. With friction the three "
+        "lines of HSD lie on each other, and so do the two of MZ."
+    )
+    return Picture("figure_14", figure, caption)
 
 
 @styled
@@ -102,10 +107,35 @@ def figure_15(runs: Runs) -> Picture:
                 axis.plot(100.0 * grid, mean, "--", color=COLOURS[k], label=f"in {time:g} s")
     finish(axes)
     caption = (
-        "Fig. 15 again: PVDF by 0.5 % in different times, means over packings; the two limits with their bands in grey. The bands are much "
-        "wider than what the rate does; every packing by itself is in order."
+        "Fig. 15 again: PVDF by 0.5 % in different times, means over packings; the two limits with their bands in grey. Packings differ by "
+        "more than the rate does; what the rate does to each is in the next figure."
     )
     return Picture("figure_15", figure, caption)
+
+
+@styled
+def figure_shares(runs: Runs) -> Picture:
+    """What a rate leaves of the overstress."""
+    figure, axis = new(5.6, 3.4)
+    for k, (friction, title) in enumerate(TITLES):
+        found = [(time, share) for time in TIMES if (share := left(runs, time, friction)).packings]
+        if not found:
+            continue
+        mean = np.array([share.mean for _, share in found])
+        spread = np.array([[share.mean - share.least, share.most - share.mean] for _, share in found]).T
+        at = np.array([time for time, _ in found]) * (1.0 + 0.06 * k)
+        axis.errorbar(at, mean, spread, fmt="os"[k], ms=4, capsize=3, lw=1.0, color=COLOURS[k], label=title)
+    times = np.geomspace(TIMES[0], TIMES[-1], 40)
+    axis.plot(times, [pair_share(time) for time in times], color="black", lw=1.0, label="two spheres")
+    for value in (0.0, 1.0):
+        axis.axhline(value, color=GREY, lw=0.8, ls=":")
+    axis.set(xscale="log", xlabel="loading time (s)", ylabel="share of the overstress left at 0.5 %")
+    axis.legend()
+    caption = (
+        "Fig. 15 in one number: stress of MZ above the slow limit over what lies between both limits, each packing by itself; bars are all "
+        "packings. Dotted: the limits. Without friction a packing may give way at another strain than in the limits."
+    )
+    return Picture("shares", figure, caption)
 
 
 @styled
@@ -143,14 +173,14 @@ def figure_density(runs: Runs) -> Picture:
     """Density scaling."""
     figure, axes = pair_of_axes()
     for axis, (friction, _) in zip(axes, TITLES, strict=True):
-        draw(axis, runs.of("density", "at rest", friction), "black", "at rest")
+        draw(axis, runs.of("density", "at rest", friction), "black", "at rest", width=3.0)
         names = sorted({r.name for r in runs.all if r.figure == "density" and r.name != "at rest"}, key=float, reverse=True)
         for k, name in enumerate(names):
             found = runs.of("density", name, friction)
             if found:
-                draw(axis, found, COLOURS[k], f"masses × {found[0].density_scaling:.0e}", "--")
+                draw(axis, found, COLOURS[k], f"masses × {power(found[0].density_scaling)}", "--")
     finish(axes)
-    caption = "One packing of PVDF by 0.5 % in 1 s, Maxwell-Zener, with masses scaled to inertial numbers 1e-2 to 1e-5."
+    caption = "One packing of PVDF by 0.5 % in 1 s, MZ, with masses scaled to inertial numbers of 1e-2 (most) to 1e-5 (least)."
     return Picture("density", figure, caption)
 
 
@@ -180,6 +210,6 @@ def figure_jamming(jammed: Sequence[Jammed], found: Sequence[Exponents]) -> Pict
 def all_figures(runs: Runs, jammed: Sequence[Jammed], found: Sequence[Exponents]) -> list[Picture]:
     """In the order of the page."""
     return [
-        *(draw_one(runs) for draw_one in (figure_13, figure_14, figure_15, figure_density, figure_16)),
+        *(draw_one(runs) for draw_one in (figure_13, figure_14, figure_15, figure_shares, figure_density, figure_16)),
         figure_jamming(jammed, found),
     ]

@@ -8,14 +8,26 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 from cases.edmans_sinka_2020.wording import Block, prose, subscripts, table, text
-from cases.report import plots
+from cases.report import parts, plots
 from cases.tradeoff.page import write_csv, write_page
 from cases.wahn_gan_kamlah_2022.figures import Picture
 from cases.wahn_gan_kamlah_2022.jamming import Exponents, exponents
-from cases.wahn_gan_kamlah_2022.packing_facts import Judged
+from cases.wahn_gan_kamlah_2022.packing_facts import (
+    PAPER_CONTACTS,
+    PAPER_ONSET,
+    PAPER_STRESS,
+    Judged,
+    from_loose,
+    inline,
+    long_term,
+    onsets,
+    power,
+)
 from cases.wahn_gan_kamlah_2022.packing_figures import all_figures
-from cases.wahn_gan_kamlah_2022.packing_runs import FRICTIONS, FULL, QUICK, Effort, Say, everything, unjam
+from cases.wahn_gan_kamlah_2022.packing_runs import FRICTIONS, FULL, QUICK, SLOW, SWEEP, Effort, Say, everything, threshold, unjam
 from cases.wahn_gan_kamlah_2022.packing_statements import judge
 from cases.wahn_gan_kamlah_2022.packings import RADIUS, Runs, band, contact, contracted, itasca_scaling
 from contactlaws.files import write_text
@@ -30,7 +42,7 @@ def make(out: Path, quick: bool, say: Say) -> Path:
     began, effort = time.process_time(), QUICK if quick else FULL
     out.mkdir(parents=True, exist_ok=True)
     runs = everything(effort, say)
-    jammed = [unjam(contracted(seed, effort.spheres), seed) for seed in effort.seeds]
+    jammed = [own for seed in effort.seeds if (own := unjam(contracted(seed, effort.spheres), seed))]
     found = [exponents(own, effort.spheres) for own in jammed]
     say("jamming")
     judged, pictures = judge(runs, found), all_figures(runs, jammed, found)
@@ -38,7 +50,7 @@ def make(out: Path, quick: bool, say: Say) -> Path:
         write_text(out / f"{picture.name}.svg", plots.svg(picture.figure))
     write_csv(list(summaries(runs)), out / "packing_runs.csv")
     write_csv(list(rows(runs)), out / "packing_curves.csv")
-    write_csv([own._asdict() for own in judged], out / "packing_statements.csv")
+    write_csv([own._asdict() | {"ours": inline(own.ours)} for own in judged], out / "packing_statements.csv")
     write_csv([own._asdict() for own in found], out / "jamming.csv")
     cost = f"{time.process_time() - began:.0f} CPU seconds, packings of seeds {effort.seeds[0]} to {effort.seeds[-1]}."
     return write(out / "packings.html", runs, judged, found, pictures, effort, cost)
@@ -69,13 +81,13 @@ def write(
         p.name: {"kind": "figures", "figures": [{"svg": plots.svg(p.figure), "caption": subscripts(p.caption)}]} for p in pictures
     }
     sections = [
-        {"title": "What holds", "blocks": statements(judged)},
-        {"title": "A loose bed", "blocks": [shown["figure_13"]]},
+        {"title": "What holds", "blocks": [words_used(), *statements(judged)]},
+        {"title": "A loose bed, and friction", "blocks": [shown["figure_13"], *coefficients(runs)]},
         {"title": "Routines and ways of loading", "blocks": [shown["figure_14"]]},
-        {"title": "Rates and densities", "blocks": [*densities(runs, effort), shown["figure_15"], shown["density"]]},
+        {"title": "Rates and densities", "blocks": [shown["figure_15"], shown["shares"], *densities(runs, effort), shown["density"]]},
         {"title": "Relaxation", "blocks": [shown["figure_16"]]},
         {"title": "Jamming", "blocks": [*jamming(found), shown["jamming"]]},
-        {"title": "How it was done", "blocks": [*routines(runs), text(f"{code_version()}. {cost}")]},
+        {"title": "How it was done", "blocks": [*routines(runs), parts.text(f"{code_version()}. {cost}")]},
     ]
     lead = (
         f"{effort.spheres} and {effort.bed} spheres, {len(effort.seeds)} packings of each kind, with friction ({max(FRICTIONS):g}) and "
@@ -87,33 +99,73 @@ def write(
 def statements(judged: Sequence[Judged]) -> list[Block]:
     """The table of statements."""
     counted = Counter(own.verdict for own in judged)
-    words = ", ".join(f"{number} {name}" for name, number in counted.items())
+    words = ", ".join(f"{MARKS[verdict]} {verdict}: {counted[verdict]}" for verdict in MARKS if counted[verdict])
     header = ("", "where", "statement", "paper", "ours: mean (least to most; packings)", "why")
-    cells = [(MARKS[j.verdict], j.place, j.claim, j.paper, j.ours, j.reason) for j in judged]
-    return [text(f"{words}. In brackets: range over packings, and their number."), prose(header, cells)]
+    cells = [(MARKS[j.verdict], j.place, j.claim, j.paper, Markup("<br>").join(j.ours.split("\n")), j.reason) for j in judged]
+    return [
+        text(f"{words}. Statements in our words; brackets hold the range over packings, and their number."),
+        prose(header, cells),
+    ]
+
+
+def words_used() -> Block:
+    """What the page's short words mean."""
+    return text(
+        "HSD: elastic Hertz contacts; MZ: viscoelastic Maxwell-Zener contacts, equations and units corrected. PVDF: long-term modulus "
+        "E_soft 1366 MPa, instantaneous E_stiff 1770 MPa; NMC: 142 and 184 GPa. BCT: spheres are carried along with the box; BC: only "
+        "the box moves. μ: friction coefficient; φ: packing fraction; z: contacts per sphere. At rest: the quasi-static routine, one "
+        "state of rest after the other; in motion: the dynamic routine, masses scaled to an inertial number (strain rate times diameter "
+        f"times the root of density over pressure, this of an effective medium) of {SLOW:g} where nothing else is said. First stress: a "
+        f"pressure of {threshold('PVDF'):.0f} Pa, a millionth of the modulus E/(1 − ν²). Differences in per cent are between runs of the "
+        "same packing.",
+        note=True,
+    )
+
+
+def coefficients(runs: Runs) -> list[Block]:
+    """What the paper's numbers say of the coefficient that it does not give."""
+    rows = []
+    for friction in SWEEP:
+        strain, fraction, contacts = onsets(from_loose(runs, friction))
+        stress = long_term(runs, friction).text(".4f", "", 1e-6)
+        rows.append((f"{friction:g}", strain.text(".1f", "", 100.0), fraction.text(".3f"), contacts.text(".2f"), stress))
+    paper = ("paper", f"{100.0 * PAPER_ONSET:g}", ".62", f"{PAPER_CONTACTS:g}", f"{1e-6 * PAPER_STRESS:.4f}")
+    header = ("μ", "first stress from .58 at (%)", "φ there", "z there", "long-term stress at 0.3 % (MPa)")
+    return [text("The paper has Coulomb's limit but no coefficient. Mean (least to most; packings):"), table(header, [*rows, paper])]
 
 
 def densities(runs: Runs, effort: Effort) -> list[Block]:
     """What scaled masses cost and carry."""
     own = [r for r in runs.all if r.figure == "density" and r.name != "at rest"]
     cells = [
-        (f"{r.friction:g}", f"{r.density_scaling:.1e}", f"{r.inertial_number:.1e}", f"{r.kinetic:.1e}", f"{r.steps}",
+        (f"{r.friction:g}", f"{float(r.name):.0e}", power(r.density_scaling), f"{r.inertial_number:.1e}", f"{r.kinetic:.1e}", f"{r.steps}",
          f"{1e-6 * r.at(0.005):.4f}")
         for r in own
     ]  # fmt: skip
     scaling = itasca_scaling(1800.0, contact("PVDF", "E_soft", 0.0, RADIUS), contracted(effort.seeds[0], effort.spheres), 0.003, 1e-5)
     words = (
-        f"Table 1's densities are kg/m³. For the step of 1e-5 s that the paper names Itasca's factor asks for masses {scaling:.1e} times "
-        "the true ones. Inertial numbers are those at the top, with the pressure there; kinetic energy is over the stored one."
+        f"Table 1's densities are kg/m³, though printed as g/mm³. The paper's time step of 1e-5 s needs masses {power(scaling)} times the "
+        "true ones by its own rule (Eq. 2.8). Below, one packing by 0.5 % in 1 s, MZ, with ever less mass; the inertial number at the "
+        "end is that of the true pressure there, kinetic energy is over the stored one at its peak."
     )
-    return [text(words), table(("friction", "masses times", "inertial number", "kinetic", "steps", "MPa at 0.5 %"), cells)]
+    header = ("μ", "inertial number asked for", "masses times", "at the end", "kinetic over stored", "steps", "MPa at 0.5 %")
+    return [text(words), table(header, cells)]
 
 
 def jamming(found: Sequence[Exponents]) -> list[Block]:
     """Each packing."""
-    header = ("seed", "φ_J", "z_J", "6 − 4/N", "power of z − z_J", "power of p", "p over effective medium")
+    header = (
+        "seed",
+        "φ_J",
+        "z_J (by a line)",
+        "z of the last state with pressure",
+        "6 − 4/N",
+        "power of z",
+        "power of p",
+        "p over effective medium",
+    )
     cells = [
-        (f"{e.seed}", f"{e.fraction:.4f}", f"{e.coordination:.3f}", f"{e.isostatic:.3f}", f"{e.contacts_exponent:.2f}",
+        (f"{e.seed}", f"{e.fraction:.4f}", f"{e.coordination:.3f}", f"{e.last:.3f}", f"{e.isostatic:.3f}", f"{e.contacts_exponent:.2f}",
          f"{e.pressure_exponent:.2f}", f"{e.over_medium:.2f}")
         for e in found
     ]  # fmt: skip
@@ -127,10 +179,9 @@ def routines(runs: Runs) -> list[Block]:
     balance = max((r.balance for r in moving), default=0.0)
     rubbing, smooth = (band(r.kinetic for r in moving if (r.friction > 0.0) == some) for some in (True, False))
     words = (
-        f"{len(runs.all)} runs, {len(lost)} without rest, which are left out. At rest: the quasi-static routine, which integrates laws "
-        "in time implicitly, stage durations being physical. In motion: masses scaled to the inertial number wanted, a drag on "
-        "velocities relative "
-        f"to the box. Kinetic over stored energy at the peak: with friction up to {rubbing.most:.1g}, without up to {smooth.most:.1g}; "
-        f"energy balance to {balance:.1g}. Tangential springs are elastic, those of Maxwell-Zener contacts with the long-term modulus."
+        f"{len(runs.all)} runs; {len(lost)} found no rest and are left out. At rest laws are followed through the physical time of a stage "
+        "in implicit steps. In motion a drag acts on velocities relative to the box, except where said. Kinetic over stored energy at the "
+        f"peak: with friction up to {rubbing.most:.1g}, without up to {smooth.most:.1g}; energy balance to {balance:.1g}. Tangential "
+        "springs are elastic, those of Maxwell-Zener contacts with the long-term modulus."
     )
     return [text(words)]

@@ -42,6 +42,8 @@ SWEEP = (0.0, 0.01, 0.03, 0.1, 0.3)
 THRESHOLD = 1e-6
 #: over the pair's modulus; below it a smooth packing has fallen apart, and what is left fades in the search for rest
 NO_PRESSURE = 1e-7
+#: what counts as rest where forces vanish; with the usual 1e-3 the last states have too few contacts to carry what pressure they show
+REST_AT_JAMMING = 1e-6
 #: inertial numbers of the density sweep
 INERTIAL = (1e-2, 1e-3, 1e-4, 1e-5)
 #: what the paper's density numbers come to in its other units, mm, MPa and s: times the true masses
@@ -190,12 +192,14 @@ class Jammed(NamedTuple):
     reduced_modulus: float  # Pa; of the pair
 
 
-def unjam(packing: Packing, seed: int, most: float = 0.01, outputs: int = 160) -> Jammed:
-    """Compress each edge by `most`, and let go in even steps."""
+def unjam(packing: Packing, seed: int, most: float = 0.01, outputs: int = 160) -> Jammed | None:
+    """Compress each edge by `most`, and let go in even steps; None if it found no rest on the way."""
     law = contact("PVDF", SOFT, 0.0)
     programme = (Stage((1.0 - most,) * 3, 1.0), Stage((1.0 - 0.6 * most,) * 3, 1.0), Stage((1.0 + 0.1 * most,) * 3, 1.0))
-    way = Way("jamming", "", seed, 0.0, outputs=outputs, strain_step=2.0 * STRAIN_STEP)
+    way = Way("jamming", "", seed, 0.0, outputs=outputs, strain_step=2.0 * STRAIN_STEP, force=REST_AT_JAMMING)
     _, done = compress(packing, DENSITY["PVDF"], law, programme, way)
+    if done.stopped is not None:
+        return None
     modulus = 0.5 * float(law.normal.reduced_modulus)  # type: ignore[attr-defined]
     down = np.flatnonzero(done.stage > 0)
     off = np.flatnonzero(done.pressure[down] < NO_PRESSURE * modulus)

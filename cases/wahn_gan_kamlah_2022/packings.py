@@ -112,6 +112,11 @@ class Run(NamedTuple):
         top = int(np.argmax(self.strain)) + 1
         return float(np.interp(strain, self.strain[:top], self.stress[:top]))
 
+    def contacts_at(self, strain: float) -> float:
+        """Contacts per sphere at a strain of the first loading."""
+        top = int(np.argmax(self.strain)) + 1
+        return float(np.interp(strain, self.strain[:top], self.coordination[:top]))
+
     def onset(self, pressure: float) -> int | None:
         """First output at which a pressure (Pa) is reached; None if never."""
         rows = np.flatnonzero(self.pressure >= pressure)
@@ -131,13 +136,16 @@ class Way(NamedTuple):
     density_scaling: float | None = None  # of the dynamic routine, in place of the inertial number
     outputs: int = OUTPUTS
     strain_step: float = STRAIN_STEP
+    force: float = QuasiStatic().force  # of a state of rest, as there
 
 
 def scene_of(packing: Packing, density: float, physics: Contact, programme: tuple[Stage, ...], way: Way) -> Scene:
     """The scene; density scaling is what gives a stage of this physical duration the inertial number that is wanted."""
     settings: dict[str, Any] = {"outputs": way.outputs, "frames": way.outputs, "affine": way.affine}
     if way.inertial_number is None and way.density_scaling is None:
-        return packed_scene(packing, density, physics, programme, quasi_static=QuasiStatic(strain_step=way.strain_step), **settings)
+        return packed_scene(
+            packing, density, physics, programme, quasi_static=QuasiStatic(strain_step=way.strain_step, force=way.force), **settings
+        )
     scene = packed_scene(packing, density, physics, programme, skin=SKIN, drag=2.5 if way.drag else None, **settings)
     scaling = way.density_scaling
     if scaling is None:
@@ -187,6 +195,16 @@ class Runs(NamedTuple):
         return sorted({r.friction for r in self.all if r.figure == "14"})
 
 
+def signed(value: float, form: str) -> str:
+    """A number with a proper minus, and none before a zero.
+
+    >>> signed(-0.04, "+.1f"), signed(-0.24, ".1f")
+    ('0.0', '\u22120.2')
+    """
+    shown = f"{value:{form}}"
+    return shown.replace("-", "\u2212") if shown.strip("+-0.") else shown.lstrip("+-")
+
+
 class Band(NamedTuple):
     """Mean, least and most over seeds."""
 
@@ -199,7 +217,7 @@ class Band(NamedTuple):
         """For a table."""
         if not self.packings:
             return "–"
-        mean, least, most = (f"{factor * value:{form}}" for value in (self.mean, self.least, self.most))
+        mean, least, most = (signed(factor * value, form) for value in (self.mean, self.least, self.most))
         return f"{mean}{unit} ({least} to {most}; {self.packings})"
 
 

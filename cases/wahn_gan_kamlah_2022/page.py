@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from cases.edmans_sinka_2020.wording import Block, prose, subscripts, table, text
-from cases.report import plots
+from cases.report import parts, plots
 from cases.tradeoff.page import write_page
 from cases.verification import viscoelastic_extremes
 from cases.wahn_gan_kamlah_2022 import accuracy, gap
@@ -49,7 +49,7 @@ def write(
         {"title": "Laws against finite elements", "blocks": [*_accuracy(compared), shown["retreat"]]},
         {"title": "What terms and memory cost", "blocks": [*_trade(choices), shown["trade"]]},
         {"title": "At the extremes", "blocks": extremes(tried)},
-        {"title": "Where this is from", "blocks": [text(f"{code_version()}. {cost}")]},
+        {"title": "Where this is from", "blocks": [parts.text(f"{code_version()}. {cost}")]},
     ]
     lead = "PVDF spheres of 5 µm radius, 2 % strain: every number of the two-sphere sections, old and new laws against finite elements."
     return write_page(path, TITLE, lead, sections)

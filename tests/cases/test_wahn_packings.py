@@ -91,6 +91,15 @@ def test_motion_and_rest_agree_when_slow():
     assert rest.inertial_number == 0.0
 
 
+@slow_interpreted
+def test_no_smooth_packing_carries_pressure_with_fewer_contacts_than_isostatic():
+    """3 N - 3 motions apart from the box's own, and one contact more for a pressure; counts are whole, so no tolerance."""
+    jammed = packing_runs.unjam(contracted(1, COUNT), 1, most=0.005, outputs=40)
+    assert jammed is not None
+    held = COUNT * jammed.held
+    assert np.all(np.round(0.5 * held * jammed.coordination) >= np.round(3.0 * held) - 2.0)
+
+
 def test_powers_are_found_in_a_packing_that_obeys_them():
     """p = (phi - phi_J)^1.5 and z - z_iso = 4 (phi - phi_J)^.5, sampled as a run would; the point to a tenth of the spacing."""
     fraction = np.linspace(0.66, 0.6402, 100)
