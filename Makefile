@@ -44,7 +44,7 @@ study: $(READY) ## Edmans & Sinka 2020 done again: 560 unloadings and 280 of uns
 	@$(BIN)/fe2dem run cases/edmans_sinka_2020/unseen.toml --jobs $(JOBS) --out results/unseen
 	@$(BIN)/python -m cases.edmans_sinka_2020 results/edmans_sinka_2020 --unseen results/unseen --out results/study
 
-viscoelastic: $(READY) ## Wahn, Gan & Kamlah 2022: two spheres with numbers, laws against finite elements, terms against cost; packings, bands over seeds; minutes
+viscoelastic: $(READY) ## Wahn, Gan & Kamlah 2022: two spheres with numbers, laws against finite elements, terms against cost; packings, bands over seeds; some 16 CPU minutes
 	@$(BIN)/python -m cases.wahn_gan_kamlah_2022 --out results/wahn_gan_kamlah_2022
 	@$(BIN)/python -m cases.wahn_gan_kamlah_2022 --packings --out results/wahn_gan_kamlah_2022
 

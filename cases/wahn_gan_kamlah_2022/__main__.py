@@ -1,6 +1,6 @@
 """`python -m cases.wahn_gan_kamlah_2022 [--out DIR] [--packings [--quick]]`: numbers, tables, figures and the page.
 
-Two spheres, about four CPU minutes; with --packings section 5 instead, about eight, or one with --quick.
+Two spheres, about four CPU minutes; with --packings section 5 instead, about twelve, or two with --quick.
 """
 
 from __future__ import annotations
