@@ -139,10 +139,10 @@ def relaxation(runs: Runs) -> Judged:
     fast, rest = (end_of_rest(runs, name, RUBBING) for name in ("MZ, in motion, fast", "MZ, at rest"))
     smooth = "; ".join(f"{name.removeprefix('MZ, ')} {percent(end_of_rest(runs, name, SMOOTH))}" for name in (names[0], names[2]))
     reason = (
-        f"Stress after 9 s over the long-term one, μ = {RUBBING:g}; 0.2 % of it is overstress still to go. Loaded at rest or slowly it ends "
-        "where it should. Loaded fast (inertial number 1e-3, slow is 1e-4) it ends below, as in the paper: motion on the way up rearranges "
-        "the packing. That is history, the paper's first guess, by the inertia of scaled masses. Smooth packings may give way differently "
-        f"on the two ways, or not: {smooth}."
+        f"Stress after 9 s over the long-term one, μ = {RUBBING:g}; 0.2 % of it is overstress still to go. Loaded at rest or slowly it "
+        "ends where it should. Loaded fast (inertial number 1e-3, slow is 1e-4) it ends below, as in the paper: motion on the way up "
+        "rearranges the packing. That is history, the paper's first guess, by the inertia of scaled masses. Smooth packings may give way "
+        f"differently on the two ways, or not: {smooth}."
     )
     below = fast.most < 0.0, abs(fast.mean) < 0.05
     claim = "relaxation ends 3 % below the long-term stress"
