@@ -74,7 +74,13 @@ def kernel(function: Callable[..., Any], fastmath: Set[str] = frozenset(), inlin
     inline: whether to make it part of whatever calls it. A record is handed over value by value, which takes longer than a short formula.
     parallel: whether the loops over `numba.prange` run on threads.
     """
-    compiled = numba.njit(error_model="numpy", fastmath=set(fastmath), forceinline=inline, parallel=parallel, no_cfunc_wrapper=True)(function)
+    compiled = numba.njit(
+        error_model="numpy",
+        fastmath=set(fastmath),
+        forceinline=inline,
+        parallel=parallel,
+        no_cfunc_wrapper=True,  # nobody asks for one, and it takes as long to compile as the function
+    )(function)
     if not numba.config.DISABLE_JIT:
         with _cache_folder(function.__module__.split(".")[0]):
             compiled._cache = _ProjectCache(function)

@@ -43,10 +43,14 @@ class Law(NamedTuple):
     problems: Callable[[Any], Iterable[Problem]] = lambda law: ()
     #: compiled: floats in the row of a record's memory; None: the memory is a tuple as long as `memory`
     row_size: Callable[[Any], int] | None = None
+    #: compiled: `force` of many contacts at once, for a law that remembers a row: see `normal_forces`
+    block: Callable[..., Any] | None = None
     #: whether the force depends on how fast the overlap changes, or on how long it stays
     in_time: bool = False
 
 
+#: rows of a block that a law may use as it likes, beyond overlap, force and energy
+SCRATCH = 4
 _LAWS: dict[type, Law] = {}
 #: the package whose modules bring the laws of this project
 OWN = __name__.split(".")[0]
@@ -86,6 +90,15 @@ def law_of(record: object) -> Law:
 def normal_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
     """Force in N and new memory of one body at `overlap` (m), closing at `rate` (m/s), `dt` (s) after `state`."""
     return law_of(law).force(law, overlap, rate, dt, state)
+
+
+def normal_forces(law, dt, memory, row, size, block, at):  # type: ignore[no-untyped-def]
+    """`normal_force` of `size` contacts, of a law that has a `block`.
+
+    memory: shape (floats, contacts), theirs from column `row` on. block: its row `at` holds their overlaps (m), and `at` + 1 gets the
+    forces (N), `at` + 2 the energy (J) of each that has just ended, with a memory that is cleared; the next `SCRATCH` rows are free to use.
+    """
+    law_of(law).block(law, dt, memory, row, size, block, at)
 
 
 def contact_radius(law, overlap, state):  # type: ignore[no-untyped-def]
@@ -142,6 +155,12 @@ def _numba_law(law: Any) -> Law:
 def _(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
     function = _numba_law(law).force
     return lambda law, overlap, rate, dt, state: function(law, overlap, rate, dt, state)
+
+
+@overload(normal_forces, jit_options={"forceinline": True})
+def _(law, dt, memory, row, size, block, at):  # type: ignore[no-untyped-def]
+    function = _numba_law(law).block
+    return lambda law, dt, memory, row, size, block, at: function(law, dt, memory, row, size, block, at)
 
 
 @overload(contact_radius)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contactlaws.compiled import kernel
+from contactlaws.compiled import inlined, kernel
 from contactlaws.dispatch import Law, register
 
 
@@ -97,7 +97,7 @@ def finite_size_factors(poissons_ratio: float) -> tuple[float, float, float, flo
     return c1, c2, c3, b1, b2
 
 
-@kernel
+@inlined
 def finite_size_force(law, overlap):  # type: ignore[no-untyped-def]
     """Force in N of any record that has the fields of `HertzFiniteSize`; `overlap` must not be negative."""
     t = math.sqrt(overlap * (1.0 / law.radius))  # of many contacts, one division

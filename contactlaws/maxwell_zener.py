@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from contactlaws.compiled import inlined, kernel
 from contactlaws.dispatch import Law, register
-from contactlaws.elastic import finite_size_area, finite_size_factors, finite_size_force, largest_finite_size_stiffness
+from contactlaws.elastic import HertzFiniteSize, finite_size_area, finite_size_factors, finite_size_force, largest_finite_size_stiffness
 from contactlaws.errors import InputError, Problem
 from contactlaws.maxwell_element import decay_and_mean
 from contactlaws.prony import Relaxation, problems_with_fractions, problems_with_times
@@ -91,29 +91,47 @@ def _problems_with_body(law: MaxwellZener) -> Iterator[Problem]:
 
 
 @inlined
+def follow(e, h, m, old, kept, risen, moved):  # type: ignore[no-untyped-def]
+    """One term through a step: its new force, q_i and what its damper takes over g_i, the elastic force `risen` and the overlap `moved`.
+
+    e, h, m: of `decay_and_mean`. Steps count as straight in overlap and elastic force; the dissipation of a step is then never negative
+    while the contact grows.
+    """
+    left = e * old
+    new = left + h * risen
+    energy = e * e * kept + h * moved * (left + new)
+    # work on the term: overlap moved times the mean of f_i in the step
+    return new, max(0.0, energy), max(0.0, moved * (h * old + m * risen) - 0.5 * (energy - kept))
+
+
+@inlined
+def settle(force, force_before, work, moved, lost, lost_before):  # type: ignore[no-untyped-def]
+    """Force, work put in and energy dissipated after a step: no contact pulls, and nothing can be lost that was not put in.
+
+    Where the force is cut off, the terms move on without it.
+    """
+    force = max(0.0, force)
+    work += 0.5 * (force + force_before) * moved
+    return force, work, min(lost, max(lost_before, work))
+
+
+@inlined
 def grow(law, fractions, times, overlap, dt, state, first, lengths):  # type: ignore[no-untyped-def]
     """Take f_i and q_i, from float `first` of the state on, through a step of `dt` to `overlap`; returns force and elastic force in N.
 
     fractions, times: the law's; each look into a record of arrays counts a reference. lengths: whether the strains of springs that move
-    with the overlap follow, one for each term. The energy dissipated is added up. Steps count as straight in overlap and elastic force;
-    the dissipation of a step is then never negative while the contact grows.
+    with the overlap follow, one for each term. The energy dissipated is added up.
     """
     terms = fractions.size
     elastic = finite_size_force(law, overlap)
     risen, moved = elastic - state[ELASTIC], overlap - state[OVERLAP]
     force, lost = elastic, 0.0
     for i in range(terms):
-        g, x = fractions[i], dt / times[i]
-        e, h, m = decay_and_mean(x)
-        old, kept = state[first + i], state[first + terms + i]
-        left = e * old
-        new = left + h * risen
-        state[first + i] = new
-        energy = e * e * kept + h * moved * (left + new)
-        # work on the term: overlap moved times the mean of f_i in the step
-        lost += g * max(0.0, moved * (h * old + m * risen) - 0.5 * (energy - kept))
-        state[first + terms + i] = max(0.0, energy)
-        force += g * (new - elastic)
+        g, own, spring = fractions[i], first + i, first + terms + i
+        e, h, m = decay_and_mean(dt / times[i])
+        state[own], state[spring], taken = follow(e, h, m, state[own], state[spring], risen, moved)
+        lost += g * taken
+        force += g * (state[own] - elastic)
         if lengths:
             state[first + 2 * terms + i] = e * state[first + 2 * terms + i] + h * moved
     state[LOST] += lost
@@ -135,12 +153,52 @@ def maxwell_zener_force(law, overlap, rate, dt, state):  # type: ignore[no-untyp
         return 0.0, state
     before = state[LOST]
     force, elastic = grow(law, law.fractions, law.times, overlap, dt, state, FIRST, False)
-    force = max(0.0, force)
-    state[WORK] += 0.5 * (force + state[FORCE]) * (overlap - state[OVERLAP])
-    # where the force is cut off, the terms move on without it: nothing can be lost that was not put in
-    state[LOST] = min(state[LOST], max(before, state[WORK]))
+    force, state[WORK], state[LOST] = settle(force, state[FORCE], state[WORK], overlap - state[OVERLAP], state[LOST], before)
     state[OVERLAP], state[ELASTIC], state[FORCE] = overlap, elastic, force
     return force, state
+
+
+@inlined
+def maxwell_zener_block(law, dt, memory, row, size, block, at):  # type: ignore[no-untyped-def]
+    """The recurrence for a block of contacts: every line is a loop over all of them, which the compiler takes several at a time.
+
+    What is written is what binds, so the memory is changed where it is; it takes few arrays at once to be told apart from the block.
+    """
+    body = HertzFiniteSize(law.radius, law.reduced_modulus, law.force_1, law.force_2, law.force_3, law.area_1, law.area_2)  # no arrays
+    fractions, times = law.fractions, law.times
+    overlap, force, ended, elastic, risen, moved, lost = at, at + 1, at + 2, at + 3, at + 4, at + 5, at + 6
+    for q in range(size):
+        reached = max(block[overlap, q], 0.0)
+        at_once = finite_size_force(body, reached)
+        block[elastic, q] = block[force, q] = at_once
+        block[risen, q] = at_once - memory[ELASTIC, row + q]
+        block[moved, q] = reached - memory[OVERLAP, row + q]
+        block[lost, q] = 0.0
+    for i in range(fractions.size):
+        g, own, spring = fractions[i], FIRST + i, FIRST + fractions.size + i
+        e, h, m = decay_and_mean(dt / times[i])
+        for q in range(size):
+            old, kept = memory[own, row + q], memory[spring, row + q]
+            new, energy, taken = follow(e, h, m, old, kept, block[risen, q], block[moved, q])
+            memory[own, row + q] = new if block[overlap, q] > 0.0 else 0.0
+            memory[spring, row + q] = energy if block[overlap, q] > 0.0 else 0.0
+            block[lost, q] += g * taken
+            block[force, q] += g * (new - block[elastic, q])
+    for q in range(size):
+        before, had, touching = memory[LOST, row + q], memory[WORK, row + q], block[overlap, q] > 0.0
+        taken = before + block[lost, q]
+        pushed, work, gone = settle(block[force, q], memory[FORCE, row + q], had, block[moved, q], taken, before)
+        block[force, q] = pushed if touching else 0.0
+        block[ended, q] = 0.0 if touching else had
+        block[risen, q] = work if touching else 0.0
+        block[moved, q] = gone if touching else 0.0
+    for q in range(size):
+        memory[OVERLAP, row + q] = max(block[overlap, q], 0.0)
+        memory[ELASTIC, row + q] = block[elastic, q] if block[overlap, q] > 0.0 else 0.0
+    for q in range(size):
+        memory[FORCE, row + q] = block[force, q]
+        memory[WORK, row + q] = block[risen, q]
+        memory[LOST, row + q] = block[moved, q]
 
 
 @kernel
@@ -180,5 +238,6 @@ register(
         problems_with_terms,
         maxwell_zener_row,
         in_time=True,
+        block=maxwell_zener_block,
     )
 )

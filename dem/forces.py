@@ -28,14 +28,15 @@ IndexArray = npt.NDArray[np.uint32]
 LOST, SHEARED, DAMPED, LARGEST, DRAGGED, WORK = range(6)
 TALLIES = 6
 #: pairs taken at a time: the buffers stay in the first cache
-BLOCK, COLUMNS = 64, 47
+BLOCK = 64
 #: below any distance; keeps two centres in one place from a division by zero
 NEAREST = 1e-150
 ONE = np.uint64(1)  # unsigned indices: numba then needs no test for negative ones
-#: columns of a block: centre to centre; relative velocity; half the spins; relative spin; force and moment on the second; the rest
+#: rows of a block: centre to centre; relative velocity; half the spins; relative spin; force and moment on the second; the rest
 D, V, C, W, G, T, M = 0, 3, 6, 9, 12, 15, 18
 OVERLAP, INVERSE, NORMAL, MASS, CONTACT, RADIUS_1, RADIUS_2 = range(21, 28)
-SLIP, ROLL, HAD, TURN, SUMS = 28, 32, 35, 36, 37
+SLIP, ROLL, HAD, TURN, SCALE, BLOCKS = 28, 32, 35, 36, 37, 38
+SUMS = BLOCKS + 3 + dispatch.SCRATCH
 
 
 class Bodies(NamedTuple):
@@ -59,6 +60,7 @@ class Roles(NamedTuple):
     damper: Damper | None
     share: float  # of the overlap that is the law's body's, see contactlaws.pair
     rates: bool | None  # None: nothing asks how fast the spheres approach
+    blocks: bool | None  # None: the law is asked contact by contact
 
 
 class Rows(NamedTuple):
@@ -72,7 +74,7 @@ class Rows(NamedTuple):
 class Past(NamedTuple):
     """What contacts remember, one column or row per pair."""
 
-    memory: FloatArray | None  # of the law, shape (m, floats)
+    memory: FloatArray | None  # of the law, shape (m, floats); (floats, m) for a law that takes blocks
     slip: FloatArray | None  # tangential force on the first sphere in N, and the contact radius in m; shape (4, m)
     roll: FloatArray | None  # rolling moment on the first sphere in N m, shape (3, m)
     damping: FloatArray | None  # the damper's force in N, shape (m,)
@@ -104,7 +106,7 @@ def forget(law, scale, share, memory, row):  # type: ignore[no-untyped-def]
 
 @kernel
 def pair_forces(  # type: ignore[no-untyped-def]
-    law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
+    law, tangential, rolling, damper, share, rates, blocks, first, partner, image, memory, slip, roll, damping,
     position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt, begin, end,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
@@ -113,7 +115,7 @@ def pair_forces(  # type: ignore[no-untyped-def]
     It is long because it is the loop that costs. `virial` is the sum of d_a F_b over contacts in J, d from the first centre to the second
     (or to the wall) and F the force on the second, shape (3, 3); `reaction` the force on each wall; `network` the F of each pair, or empty.
     """
-    buf = np.empty((COLUMNS, BLOCK))
+    buf = np.empty((SUMS + 11, BLOCK))
     row, last = np.uint64(begin), np.uint64(end)
     reach, scale, equal_mass = 2.0 * one_radius, pair.pair_scale(law, one_radius, one_radius, share), 0.5 * one_mass
     if image is None:
@@ -122,7 +124,7 @@ def pair_forces(  # type: ignore[no-untyped-def]
     shrinking, turning = False, 0.0
     if tangential is not None:
         shrinking, turning = tangential.shrinking, 1.0 if tangential.turning else 0.0
-    for k in range(10):
+    for k in range(11):
         for q in range(BLOCK):
             buf[SUMS + k, q] = 0.0
     xx_rate, xy_rate, xz_rate = gradient[0, 0], gradient[0, 1], gradient[0, 2]
@@ -184,20 +186,34 @@ def pair_forces(  # type: ignore[no-untyped-def]
         for q in range(size):
             dx, dy, dz = buf[D, q], buf[D + 1, q], buf[D + 2, q]
             distance = math.sqrt(dx * dx + dy * dy + dz * dz)
-            inverse = 1.0 / max(distance, NEAREST)
             if radius is not None:
                 reach = buf[RADIUS_1, q]
                 scale = pair.wall_scale(law, reach)
                 if image is not None:
                     reach = buf[RADIUS_1, q] + buf[RADIUS_2, q]
                     scale = pair.pair_scale(law, buf[RADIUS_1, q], buf[RADIUS_2, q], share)
-            overlap, rate = reach - distance, 0.0
+                buf[SCALE, q] = scale
+            buf[INVERSE, q], buf[OVERLAP, q] = 1.0 / max(distance, NEAREST), reach - distance
+            if blocks is not None:
+                buf[BLOCKS, q] = (reach - distance) * share / scale
+        if blocks is not None:
+            dispatch.normal_forces(law, dt, memory, row, size, buf, BLOCKS)
+        for q in range(size):
+            dx, dy, dz, inverse, overlap, rate = buf[D, q], buf[D + 1, q], buf[D + 2, q], buf[INVERSE, q], buf[OVERLAP, q], 0.0
+            if radius is not None:
+                scale = buf[SCALE, q]
             if rates is not None:
                 rate = -(dx * buf[V, q] + dy * buf[V + 1, q] + dz * buf[V + 2, q]) * inverse
             if memory is None:
                 f, _ = pair.pair_force(law, scale, overlap, rate, dt, dispatch.initial_state(law), share)
                 if tangential is not None or damper is not None:
                     buf[CONTACT, q] = pair.pair_contact_radius(law, scale, max(overlap, 0.0), dispatch.initial_state(law), share)
+            elif blocks is not None:
+                f = scale * scale * buf[BLOCKS + 1, q]
+                buf[SUMS + 10, q] += scale * scale * scale / share * buf[BLOCKS + 2, q]
+                if tangential is not None or damper is not None:
+                    state = dispatch.load_state(law, memory.T, row + q)
+                    buf[CONTACT, q] = pair.pair_contact_radius(law, scale, max(overlap, 0.0), state, share)
             elif overlap > 0.0:
                 f, state = pair.pair_force(law, scale, overlap, rate, dt, dispatch.load_state(law, memory, row + q), share)
                 if tangential is not None or damper is not None:
@@ -214,7 +230,7 @@ def pair_forces(  # type: ignore[no-untyped-def]
                 damped += 0.5 * (held + damping[row + q]) * rate * dt
                 damping[row + q] = held
                 f += held
-            buf[OVERLAP, q], buf[INVERSE, q], buf[NORMAL, q] = overlap / (scale * law.radius), inverse, f
+            buf[OVERLAP, q], buf[NORMAL, q] = overlap / (scale * law.radius), f
             f *= inverse
             buf[G, q], buf[G + 1, q], buf[G + 2, q] = f * dx, f * dy, f * dz
         if tangential is not None:
@@ -340,13 +356,14 @@ def pair_forces(  # type: ignore[no-untyped-def]
             for b in range(3):
                 virial[a, b] += buf[SUMS + 3 * a + b, q]
         tally[SHEARED] += buf[SUMS + 9, q]
+        tally[LOST] += buf[SUMS + 10, q]
     tally[LOST] += lost
     tally[DAMPED] += damped
     tally[LARGEST] = max(tally[LARGEST], share * largest)
 
 
 def _forces_on_threads(  # type: ignore[no-untyped-def]
-    law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
+    law, tangential, rolling, damper, share, rates, blocks, first, partner, image, memory, slip, roll, damping,
     position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
@@ -354,7 +371,7 @@ def _forces_on_threads(  # type: ignore[no-untyped-def]
     parts, count = len(force), len(first)
     for part in numba.prange(parts):
         pair_forces(
-            law, tangential, rolling, damper, share, rates, first, partner, image, memory, slip, roll, damping,
+            law, tangential, rolling, damper, share, rates, blocks, first, partner, image, memory, slip, roll, damping,
             position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
             count * part // parts, count * (part + 1) // parts,
             force[part], torque[part], virial[part], reaction[part], network, tally[part],
@@ -379,16 +396,18 @@ def forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction,
         roles, rows, past = group.roles, group.rows, group.past
         if threaded is None:
             pair_forces(
-                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, rows.first, rows.partner, rows.image,
-                past.memory, past.slip, past.roll, past.damping, bodies.position, bodies.velocity, bodies.spin, bodies.radius,
-                bodies.one_radius, bodies.mass, bodies.one_mass, frame.shift, frame.speed, frame.gradient, frame.walls, dt,
+                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, roles.blocks,
+                rows.first, rows.partner, rows.image, past.memory, past.slip, past.roll, past.damping,
+                bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
+                frame.shift, frame.speed, frame.gradient, frame.walls, dt,
                 0, len(rows.first), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
             )  # fmt: skip
         else:
             forces_on_threads(
-                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, rows.first, rows.partner, rows.image,
-                past.memory, past.slip, past.roll, past.damping, bodies.position, bodies.velocity, bodies.spin, bodies.radius,
-                bodies.one_radius, bodies.mass, bodies.one_mass, frame.shift, frame.speed, frame.gradient, frame.walls, dt,
+                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, roles.blocks,
+                rows.first, rows.partner, rows.image, past.memory, past.slip, past.roll, past.damping,
+                bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
+                frame.shift, frame.speed, frame.gradient, frame.walls, dt,
                 force, torque, virial, reaction, nothing, tally,
             )  # fmt: skip
 

@@ -123,7 +123,7 @@ def energies(work: Working) -> tuple[float, ...]:
         first, walls = radii[group.rows.first], group.rows.image is None
         second = first if walls else radii[group.rows.partner]
         roles, past = group.roles, group.past
-        terms = (roles.normal, roles.tangential, roles.rolling, roles.share, past.memory, past.slip, past.roll)
+        terms = (roles.normal, roles.tangential, roles.rolling, roles.share, group.memory, past.slip, past.roll)
         one, two, three = contact_energies(*terms, overlap, first, second, walls)
         stored, dissipated, sheared = stored + one, dissipated + two, sheared + three
     tally = work.tally.sum(axis=0)

@@ -26,6 +26,12 @@ class Group(NamedTuple):
     rows: Rows
     past: Past
 
+    @property
+    def memory(self) -> FloatArray | None:
+        """What contacts remember by their law, one row each, however it is kept."""
+        memory = self.past.memory
+        return memory if memory is None or self.roles.blocks is None else memory.T
+
 
 class Kind(NamedTuple):
     """Which spheres a group is of: two kinds, or one and the walls."""
@@ -148,14 +154,15 @@ def _new_group(contact: Contact, many: bool, wall: bool, carry: tuple[str, ...])
     """A group without pairs: its arrays tell what its contacts will remember."""
     rates = True if needs_rates(contact) or "rates" in carry else None
     floats, slides = dispatch.floats_of_state(contact.normal), contact.tangential is not None
+    blocks = None if dispatch.law_of(contact.normal).block is None else True
     past = Past(
-        memory=np.zeros((0, floats)) if floats else None,
+        memory=np.zeros((floats, 0) if blocks else (0, floats)) if floats else None,
         slip=np.zeros((4, 0)) if slides else None,
         roll=np.zeros((3, 0)) if slides and contact.rolling is not None else None,
         damping=np.zeros(0) if contact.damping is not None else None,
     )
     nobody = np.zeros(0, np.uint32)
-    roles = Roles(contact.normal, contact.tangential, contact.rolling, contact.damping, contact.share, rates)
+    roles = Roles(contact.normal, contact.tangential, contact.rolling, contact.damping, contact.share, rates, blocks)
     return Group(roles, Rows(nobody, nobody, None if wall else np.zeros(0, np.uint16)), past)
 
 
@@ -229,18 +236,18 @@ def _carried_over(work: Working, group: Group, new: tuple[Any, Any, Any], images
         before = (rows.first.astype(np.int64), rows.partner.astype(np.int64), codes_of(old_images)[old_image])
         source = rows_before(before, (first, partner, codes_of(images)[image]), max(work.size, len(work.walls)))
         there = source >= 0
-        if past.memory is not None:
-            homeless = np.setdiff1d(np.flatnonzero(past.memory.any(axis=1)), source[there])
+        if (memory := group.memory) is not None:
+            homeless = np.setdiff1d(np.flatnonzero(memory.any(axis=1)), source[there])
             work.tally[0, LOST] += sum(_ended(work, group, row) for row in homeless)
-        kept = Past(*(None if array is None else _moved(array, source, there, name) for name, array in past._asdict().items()))
+        kept = Past(*(None if array is None else _moved(array, source, there, array is group.memory) for array in past))
     return group._replace(
         rows=Rows(first.astype(np.uint32), partner.astype(np.uint32), None if rows.image is None else image.astype(np.uint16)), past=kept
     )
 
 
-def _moved(array: FloatArray, source: npt.NDArray[np.int64], there: npt.NDArray[np.bool_], name: str) -> FloatArray:
-    """What pairs remember, in their new rows; zero for new pairs."""
-    along = 0 if name == "memory" else array.ndim - 1
+def _moved(array: FloatArray, source: npt.NDArray[np.int64], there: npt.NDArray[np.bool_], in_rows: bool) -> FloatArray:
+    """What pairs remember, in their new rows (or columns); zero for new pairs."""
+    along = 0 if in_rows else array.ndim - 1
     shape = list(array.shape)
     shape[along] = len(source)
     moved = np.zeros(shape)
@@ -256,8 +263,7 @@ def _ended(work: Working, group: Group, row: int) -> float:
     law, share, radii = group.roles.normal, group.roles.share, work.radii
     i, j = group.rows.first[row], group.rows.partner[row]
     scale = pair.wall_scale(law, radii[i]) if group.rows.image is None else pair.pair_scale(law, radii[i], radii[j], share)
-    assert group.past.memory is not None
-    return sum(pair.pair_energy(law, scale, 0.0, dispatch.load_state(law, group.past.memory, row), share))
+    return sum(pair.pair_energy(law, scale, 0.0, dispatch.load_state(law, group.memory, row), share))
 
 
 def arrays_of(work: Working) -> dict[str, np.ndarray]:

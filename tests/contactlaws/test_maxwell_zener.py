@@ -221,3 +221,27 @@ def test_damaged_files_are_refused_with_one_reason(tmp_path, changes, said):
     with pytest.raises(InputError, match=said) as raised:
         load(file)
     assert len(raised.value.problems) == 1
+
+
+@given(seed=st.integers(0, 2**31), terms=st.integers(0, 4), size=st.integers(1, 9), opened=st.floats(0.0, 0.5))
+@settings(max_examples=60, deadline=None)
+def test_contacts_in_a_block_are_contacts_one_by_one(seed: int, terms: int, size: int, opened: float) -> None:
+    """Forces, memory and the energy of contacts that end, on random ways with openings; some of the memory's columns are not the block's."""
+    rng = np.random.default_rng(seed)
+    modulus = Relaxation(1000.0, tuple((0.9 / max(terms, 1),) * terms), tuple(np.cumsum(rng.uniform(0.1, 3.0, terms)).tolist()))
+    law = maxwell_zener(modulus, 1.0, 0.3)
+    rows = dispatch.floats_of_state(law)
+    alone, columns, block = np.zeros((size, rows)), np.full((rows, size + 3), 7.0), np.zeros((2 + 3 + dispatch.SCRATCH, 16))
+    columns[:, 2 : 2 + size] = 0.0
+    for _ in range(12):
+        overlap = np.where(rng.random(size) < opened, -rng.random(size), 0.1 * rng.random(size))
+        dt = float(10.0 ** rng.uniform(-3.0, 1.0))
+        had = alone[:, 3].copy()
+        forces = [dispatch.normal_force(law, overlap[q], 0.0, dt, alone[q])[0] for q in range(size)]
+        block[2, :size] = overlap
+        dispatch.normal_forces(law, dt, columns, 2, size, block, 2)
+        np.testing.assert_allclose(block[3, :size], forces, rtol=1e-12, atol=1e-9)
+        np.testing.assert_allclose(block[4, :size], np.where(overlap > 0.0, 0.0, had), rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(columns[:, 2 : 2 + size].T, alone, rtol=1e-9, atol=1e-9)  # sums in another order
+        assert np.all(columns[:, :2] == 7.0)
+        assert np.all(columns[:, 2 + size :] == 7.0)
