@@ -226,7 +226,10 @@ def test_damaged_files_are_refused_with_one_reason(tmp_path, changes, said):
 @given(seed=st.integers(0, 2**31), terms=st.integers(0, 4), size=st.integers(1, 9), opened=st.floats(0.0, 0.5))
 @settings(max_examples=60, deadline=None)
 def test_contacts_in_a_block_are_contacts_one_by_one(seed: int, terms: int, size: int, opened: float) -> None:
-    """Forces, memory and the energy of contacts that end, on random ways with openings; some of the memory's columns are not the block's."""
+    """Forces (to round-off of 1000 N), memory and the energy of contacts that end, on random ways with openings.
+
+    Some of the memory's columns are not the block's.
+    """
     rng = np.random.default_rng(seed)
     modulus = Relaxation(1000.0, tuple((0.9 / max(terms, 1),) * terms), tuple(np.cumsum(rng.uniform(0.1, 3.0, terms)).tolist()))
     law = maxwell_zener(modulus, 1.0, 0.3)
