@@ -110,7 +110,8 @@ def begin_retreat(law, state):  # type: ignore[no-untyped-def]
     state[SCALE], state[NEXT] = state[FORCE] / force if force > 0.0 else 1.0, state[TOUCHED]
     for i in range(terms):
         state[spring_place(terms, law.onsets.shape[1]) - 1 + i] = 0.0
-    state[SHARE] = (state[WORK] - state[LOST]) / energy if energy > 0.0 else 1.0
+    held = (state[WORK] - state[LOST]) / energy if energy > 0.0 else 1.0
+    state[SHARE] = max(held, state[SCALE])  # what is scaled up gives as much more back
 
 
 @kernel

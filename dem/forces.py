@@ -107,16 +107,17 @@ def forget(law, scale, share, memory, row):  # type: ignore[no-untyped-def]
 @kernel
 def pair_forces(  # type: ignore[no-untyped-def]
     law, tangential, rolling, damper, share, rates, blocks, first, partner, image, memory, slip, roll, damping,
-    position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt, begin, end,
+    position, velocity, spin, radius, one_radius, mass, one_mass, frame, dt, span,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
-    """Add the forces (N) and torques (N m) of the pairs `begin` to `end`, and the work that goes with `dt` (s) since the last call.
+    """Add the forces (N) and torques (N m) of the pairs `span[0]` to `span[1]`, and the work that goes with `dt` (s) since the last call.
 
     It is long because it is the loop that costs. `virial` is the sum of d_a F_b over contacts in J, d from the first centre to the second
     (or to the wall) and F the force on the second, shape (3, 3); `reaction` the force on each wall; `network` the F of each pair, or empty.
     """
     buf = np.empty((SUMS + 11, BLOCK))
-    row, last = np.uint64(begin), np.uint64(end)
+    shift, speed, gradient, walls = frame
+    row, last = np.uint64(span[0]), np.uint64(span[1])
     reach, scale, equal_mass = 2.0 * one_radius, pair.pair_scale(law, one_radius, one_radius, share), 0.5 * one_mass
     if image is None:
         reach, scale, equal_mass = one_radius, pair.wall_scale(law, one_radius), one_mass
@@ -362,9 +363,17 @@ def pair_forces(  # type: ignore[no-untyped-def]
     tally[LARGEST] = max(tally[LARGEST], share * largest)
 
 
-def _forces_on_threads(  # type: ignore[no-untyped-def]
+@kernel
+def clear(sums):  # type: ignore[no-untyped-def]
+    """Zeros in an array of shape (threads, k, 3)."""
+    for part in range(sums.shape[0]):
+        for i in range(sums.shape[1]):
+            sums[part, i, 0], sums[part, i, 1], sums[part, i, 2] = 0.0, 0.0, 0.0
+
+
+def _pairs_on_threads(  # type: ignore[no-untyped-def]
     law, tangential, rolling, damper, share, rates, blocks, first, partner, image, memory, slip, roll, damping,
-    position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
+    position, velocity, spin, radius, one_radius, mass, one_mass, frame, dt,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
     """`pair_forces` of all pairs of one kind, a share on each thread. A parallel loop takes records of values, but none of records."""
@@ -372,44 +381,49 @@ def _forces_on_threads(  # type: ignore[no-untyped-def]
     for part in numba.prange(parts):
         pair_forces(
             law, tangential, rolling, damper, share, rates, blocks, first, partner, image, memory, slip, roll, damping,
-            position, velocity, spin, radius, one_radius, mass, one_mass, shift, speed, gradient, walls, dt,
-            count * part // parts, count * (part + 1) // parts,
+            position, velocity, spin, radius, one_radius, mass, one_mass, frame, dt,
+            (count * part // parts, count * (part + 1) // parts),
             force[part], torque[part], virial[part], reaction[part], network, tally[part],
         )  # fmt: skip
 
 
-forces_on_threads = kernel(_forces_on_threads, parallel=True)
+pairs_on_threads = kernel(_pairs_on_threads, parallel=True)
 
 
 @kernel
-def forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
-    """The forces of all pairs, with the records taken apart: only arguments are compiled away. `threaded` None: on this thread.
+def forces(groups, bodies, frame, dt, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
+    """The forces of all pairs, on one thread, with the records taken apart: only arguments are compiled away.
 
-    Each thread computes its share of the pairs into sums of its own, the rows of `force` and so on.
+    No more than 30 of them: beyond, Python calls in a way that numba does not unroll.
     """
     for sums in (force, torque, virial, reaction):
-        for part in range(sums.shape[0]):
-            for i in range(sums.shape[1]):
-                sums[part, i, 0], sums[part, i, 1], sums[part, i, 2] = 0.0, 0.0, 0.0
+        clear(sums)
     nothing = np.empty((0, 3))
     for group in literal_unroll(groups):
         roles, rows, past = group.roles, group.rows, group.past
-        if threaded is None:
-            pair_forces(
-                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, roles.blocks,
-                rows.first, rows.partner, rows.image, past.memory, past.slip, past.roll, past.damping,
-                bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
-                frame.shift, frame.speed, frame.gradient, frame.walls, dt,
-                0, len(rows.first), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
-            )  # fmt: skip
-        else:
-            forces_on_threads(
-                roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, roles.blocks,
-                rows.first, rows.partner, rows.image, past.memory, past.slip, past.roll, past.damping,
-                bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
-                frame.shift, frame.speed, frame.gradient, frame.walls, dt,
-                force, torque, virial, reaction, nothing, tally,
-            )  # fmt: skip
+        pair_forces(
+            roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, roles.blocks,
+            rows.first, rows.partner, rows.image, past.memory, past.slip, past.roll, past.damping,
+            bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
+            frame, dt, (0, len(rows.first)), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
+        )  # fmt: skip
+
+
+@kernel
+def forces_on_threads(groups, bodies, frame, dt, force, torque, virial, reaction, tally):  # type: ignore[no-untyped-def]
+    """`forces` with a share of the pairs on each thread, which has a row of the sums."""
+    for sums in (force, torque, virial, reaction):
+        clear(sums)
+    nothing = np.empty((0, 3))
+    for group in literal_unroll(groups):
+        roles, rows, past = group.roles, group.rows, group.past
+        pairs_on_threads(
+            roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, roles.blocks,
+            rows.first, rows.partner, rows.image, past.memory, past.slip, past.roll, past.damping,
+            bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
+            frame, dt,
+            force, torque, virial, reaction, nothing, tally,
+        )  # fmt: skip
 
 
 @kernel

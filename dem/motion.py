@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws.compiled import kernel
-from dem.forces import DRAGGED, WORK, Frame, forces
+from dem.forces import DRAGGED, WORK, Frame, forces, forces_on_threads
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -340,7 +340,10 @@ def advance(  # type: ignore[no-untyped-def]
                 for a in range(3):
                     speed[k, a] /= dt
         frame = Frame(places(listed.images, cell), speed, gradient, walls)
-        forces(threaded, groups, bodies, frame, dt, force, torque, virial, reaction, tally)
+        if threaded is None:
+            forces(groups, bodies, frame, dt, force, torque, virial, reaction, tally)
+        else:
+            forces_on_threads(groups, bodies, frame, dt, force, torque, virial, reaction, tally)
         tally[0, WORK] += done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt)
     move_everything(threaded, bodies, force, torque, 0.5 * dt, math.sqrt(fade), 0.0, 0.0, dt < 0.0, cell, cell, sums)
     for part in range(parts):

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from numba import literal_unroll
 
 from contactlaws.compiled import kernel
-from dem.forces import DRAGGED, WORK, Frame, Past, forces
+from dem.forces import DRAGGED, WORK, Frame, Past, forces, forces_on_threads
 from dem.measure import energies, largest_overlap, network, stress_tensor
 from dem.motion import farthest, slack
 from dem.scene import QuasiStatic
@@ -119,7 +119,10 @@ def evaluate(threaded, groups, pasts, search, bodies, frame, force, torque, viri
         restore(past.memory, past.slip, past.roll, past.damping, had.memory, had.slip, had.roll, had.damping)
     tally[:] = search.tally
     place_rates(bodies.velocity, bodies.spin, bodies.position, search)
-    forces(threaded, groups, bodies, frame, search.duration, force, torque, virial, reaction, tally)
+    if threaded is None:
+        forces(groups, bodies, frame, search.duration, force, torque, virial, reaction, tally)
+    else:
+        forces_on_threads(groups, bodies, frame, search.duration, force, torque, virial, reaction, tally)
 
 
 @kernel

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from contactlaws import dispatch, pair
 from dem.box import Box
-from dem.forces import LOST, TALLIES, Bodies, Frame, Past, Roles, Rows, forces, pair_forces
+from dem.forces import LOST, TALLIES, Bodies, Frame, Past, Roles, Rows, forces, forces_on_threads, pair_forces
 from dem.motion import Deformation, Listed, advance
 from dem.neighbours import cell_order, codes_of, neighbours, rows_before
 from dem.scene import Contact, Scene
@@ -147,7 +147,7 @@ def renew_forces(work: Working, gradient: FloatArray | None = None, dt: float = 
     images = work.listed.images
     frame = Frame(images @ work.cell, np.zeros_like(images), np.zeros((3, 3)) if gradient is None else gradient, work.walls)
     sums = (work.force, work.torque, work.virial, work.reaction, work.tally)
-    forces(threaded(work), work.groups, work.bodies, frame, dt, *sums)
+    (forces if threaded(work) is None else forces_on_threads)(work.groups, work.bodies, frame, dt, *sums)
 
 
 def _new_group(contact: Contact, many: bool, wall: bool, carry: tuple[str, ...]) -> Group:
@@ -305,6 +305,6 @@ def forces_between(work: Working) -> list[FloatArray]:
         past = (None if array is None else array.copy() for array in group.past)
         network = np.zeros((len(rows.first), 3))
         sums = (np.zeros_like(work.force[0]), np.zeros_like(work.torque[0]), np.zeros((3, 3)), np.zeros_like(work.reaction[0]))
-        pair_forces(*roles, *rows, *past, *work.bodies, *frame, 0.0, 0, len(rows.first), *sums, network, np.zeros(TALLIES))
+        pair_forces(*roles, *rows, *past, *work.bodies, frame, 0.0, (0, len(rows.first)), *sums, network, np.zeros(TALLIES))
         found.append(network)
     return found

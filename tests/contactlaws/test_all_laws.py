@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from contactlaws import dispatch, pair
@@ -47,6 +47,7 @@ def test_passes_all_checks(law: Any, deepest: float):
     turns=st.lists(st.tuples(st.floats(-0.05, 1.0), st.floats(-3.0, 3.0)), min_size=1, max_size=6),
     last=st.floats(-3.0, 3.0),
 )
+@example(turns=[(1.0, 1.0), (0.0625, 2.0), (1.0, -1.0)], last=-3.0)  # springs that grow on after a rest, and let go at once
 def test_gives_back_no_more_than_was_put_in_at_any_speed(law: Any, deepest: float, turns: list[tuple[float, float]], last: float):
     """As the test above, with the logarithm of the time from turn to turn; work is known to `INTEGRATION` of all that was done."""
     corners = np.array([0.0, *(overlap for overlap, _ in turns), 0.0]) * deepest
