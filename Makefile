@@ -55,7 +55,7 @@ recalibrate: study ## what is shipped, made anew from curves: atlas, constants o
 	@$(BIN)/fe2dem tournament results/edmans_sinka_2020 --out results/tournament
 	@$(BIN)/fe2dem tradeoff law results/tournament --save-scores calibration/data/tradeoff_law.parquet
 
-verify: $(READY) ## theory, convergence, tolerances, extremes, cycles, pairs, the atlas; with FE2DEM_REFERENCE=FOLDER another code's curves
+verify: $(READY) ## theory, convergence, tolerances, extremes, cycles, pairs, the atlas, particles; with FE2DEM_REFERENCE=FOLDER another code's curves
 	@echo "verify: the continuum solver against theory and its own finer meshes; about 20 minutes on one core"
 	@$(BIN)/python -m cases.verification.continuum
 	@echo "verify: extreme bodies, partial cycles, unlike pairs, the atlas on other materials; about 20 minutes more"
@@ -67,6 +67,8 @@ verify: $(READY) ## theory, convergence, tolerances, extremes, cycles, pairs, th
 	@$(BIN)/python -m cases.verification.viscoelastic
 	@$(BIN)/python -m cases.verification.viscoelastic_extremes
 	@$(BIN)/python -m calibration.atlas_check results/atlas_check --compute --jobs $(JOBS)
+	@echo "verify: particle simulations at the extremes; about 3 minutes"
+	@$(BIN)/python -m cases.verification.dem_extremes --out results/dem_extremes
 	@if [ -n "$$FE2DEM_REFERENCE" ]; then $(BIN)/python -m cases.verification.reference_curves; \
 	else echo "verify: no comparison with another code: FE2DEM_REFERENCE names no folder of its curves"; fi
 

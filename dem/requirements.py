@@ -212,7 +212,7 @@ def changes(scene: Scene) -> tuple[float, ...]:
 
 #: nanoseconds per particle-step that each part costs beside frictionless elastic spheres with 6 contacts each, on one thread;
 #: `python -m cases.benchmarks.dem_parts` measures them anew
-COSTS = {"radius": 10.0, "mass": 4.0, "rates": 10.0, "rotation": 6.0, "memory": 30.0, "friction": 60.0}
+COSTS = {"radius": 7.0, "mass": 4.0, "rates": 8.0, "rotation": 5.0, "memory": 30.0, "friction": 75.0}
 
 
 def left_out(scene: Scene, work: Working) -> tuple[str, ...]:
