@@ -120,6 +120,9 @@ class Progress:
                     f"({deepest:.3g} at the largest overlap that was reached)"
                 )
             log.print(f"         {record.task}: {how}")
+        if self._few and "worst_overlap" in record.summary:
+            fraction, overlap = record.summary["packing_fraction"], record.summary["worst_overlap"]
+            log.print(f"         {record.task}: packing fraction {fraction:.4f}, worst overlap {max(overlap, 0.0):.2g} of a radius")
         warnings = [text for text in dict.fromkeys(record.summary.get("warnings", ())) if text != record.reason]  # stages may repeat one
         if self._few:
             for warning in warnings:

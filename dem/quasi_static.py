@@ -24,7 +24,7 @@ from dem.forces import DRAGGED, WORK, Frame, Past, forces, forces_on_threads
 from dem.measure import energies, largest_overlap, network, stress_tensor
 from dem.motion import farthest, slack
 from dem.scene import QuasiStatic
-from dem.working import Working, relisted, threaded
+from dem.working import Working, arrays_of, relisted, threaded, with_arrays
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -38,8 +38,11 @@ FIRST_STEP, LONGEST_STEP = 0.1, 1.0
 ENERGY_SHARE = 1e-4
 #: damped dynamics: rate of decay times the time in which the critical step would turn a sphere around
 DAMPING = 0.1
-#: steps towards a stress, and how close is close enough
+#: strain steps towards a stress, and how close is close enough
 SERVO_STEPS, SERVO_ERROR = 200, 3e-3
+#: trials of one of them, and the share of the time in which a step on the way is taken
+SERVO_TRIALS, NO_TIME = 20, 1e-6
+SMALLEST = 1e-300
 
 
 Critical = Callable[[float], float]
@@ -53,6 +56,7 @@ class Rest(NamedTuple):
     kinetic: float  # kinetic energy of the search over that stored in contacts
     imbalance: float  # largest force on a sphere over the mean contact force, or over the scene's if that is larger
     displacement: float  # largest way in the last iteration over the radius
+    missing: float | None = None  # largest stress that is missing, over the largest asked for; None: none was asked for
 
     @property
     def report(self) -> str:
@@ -60,6 +64,7 @@ class Rest(NamedTuple):
         return (
             f"{self.iterations} iterations, kinetic over stored energy {self.kinetic:.2g}, largest force on a sphere over the mean contact "
             f"force {self.imbalance:.2g}, last displacement {self.displacement:.2g} radii"
+            + ("" if self.missing is None else f"; the stress is {self.missing:.2g} of the largest one asked for away from it")
         )
 
 
@@ -324,31 +329,68 @@ def _rest(work: Working, search: Search, iteration: int, settings: QuasiStatic) 
 
 
 def step_to_stress(
-    work: Working, target: tuple[float | None, ...], duration: float, affine: bool, critical: Critical, load: float, settings: QuasiStatic
+    work: Working,
+    cell: FloatArray,
+    target: tuple[float | None, ...],
+    duration: float,
+    affine: bool,
+    critical: Critical,
+    load: float,
+    settings: QuasiStatic,
 ) -> tuple[Working, Rest]:
-    """Move edges until they carry `target` (Pa per axis, None: leave that one), by Broyden's method, with rest in between."""
+    """Move edges until they carry `target` (Pa per axis), the others (None) to those of `cell` (m), in `duration` (s).
+
+    Each trial starts from the same state with the same time ahead, so trials leave no trace in what contacts remember. How the stress
+    answers is learnt from them (Broyden). Where the target is farther than a strain step, such a step is taken first, in next to no time.
+    """
     controlled = np.flatnonzero([stress is not None for stress in target])
     wanted = np.array([target[axis] for axis in controlled], dtype=float)
-    stiffness: FloatArray | None = None
-    rest, iterations = Rest(True, 0, 0.0, 0.0, 0.0), 0
-    for _ in range(SERVO_STEPS):
-        stress = np.diag(stress_tensor(work, with_motion=False))[controlled]
-        missing = wanted - stress
-        if float(np.abs(missing).max()) <= SERVO_ERROR * max(float(wanted.max()), np.finfo(float).tiny):
-            return work, rest._replace(iterations=iterations)
-        strain = np.sign(missing) * settings.strain_step
-        if stiffness is not None and abs(np.linalg.det(stiffness)) > 0.0:
-            strain = np.asarray(np.linalg.solve(stiffness, missing), dtype=np.float64)
-            strain *= min(1.0, settings.strain_step / float(np.abs(strain).max()))
-        stretch = np.ones(3)
-        stretch[controlled] -= strain
-        work, rest = step_to(work, work.cell @ np.diag(stretch), duration / SERVO_STEPS, affine, critical, load, settings)
-        iterations += rest.iterations
-        if not rest.found:
-            return work, rest._replace(iterations=iterations)
-        gained = np.diag(stress_tensor(work, with_motion=False))[controlled] - stress
-        if stiffness is None:
-            stiffness = np.diag(np.maximum(gained / strain, 0.0)) if np.all(gained * strain > 0.0) else None
-        else:  # Broyden's
-            stiffness = stiffness + np.outer(gained - stiffness @ strain, strain) / float(strain @ strain)
-    return work, rest._replace(found=False, iterations=iterations)
+    iterations, answer = 0, _Answer(None)
+    for number in range(SERVO_STEPS):
+        before = {name: array.copy() for name, array in arrays_of(work).items()}
+        goal = cell if number == 0 else work.cell.copy()
+        first = np.diag(stress_tensor(work, with_motion=False))[controlled]
+        allowed = SERVO_ERROR * max(float(np.abs(wanted).max()), float(np.abs(first).max()))
+        known, strain = (np.zeros(len(controlled)), first), answer.strain(wanted - first, settings.strain_step)
+        for _ in range(SERVO_TRIALS):
+            far = float(np.abs(strain).max()) >= settings.strain_step
+            trial = goal.copy()
+            trial[:, controlled] = before["cell"][:, controlled] * (1.0 - strain)
+            start = with_arrays(work, {name: array.copy() for name, array in before.items()})
+            time = duration * (NO_TIME if far else 1.0)
+            found, rest = step_to(start, trial, time, affine, critical, load, settings)
+            iterations += rest.iterations
+            stress = np.diag(stress_tensor(found, with_motion=False))[controlled]
+            missing = wanted - stress
+            if not rest.found or (not far and float(np.abs(missing).max()) <= allowed):
+                return found, rest._replace(iterations=iterations)
+            answer = answer.learnt(strain - known[0], stress - known[1])
+            known, more = (strain, stress), answer.strain(missing, settings.strain_step)
+            if far and float(np.abs(strain + more).max()) >= settings.strain_step:
+                break  # the target is farther still
+            strain = np.clip(strain + more, -settings.strain_step, settings.strain_step)
+        work = found
+    return work, rest._replace(found=False, iterations=iterations, missing=float(np.abs(missing).max() / np.abs(wanted).max()))
+
+
+class _Answer(NamedTuple):
+    """How the stress of controlled edges answers their strain, as far as it is known."""
+
+    stiffness: FloatArray | None  # Pa; None: nothing has answered yet
+
+    def strain(self, missing: FloatArray, most: float) -> FloatArray:
+        """The strain that brings the missing stress, at most `most`: all of it while nothing is known."""
+        if self.stiffness is None or abs(np.linalg.det(self.stiffness)) <= 0.0:
+            return most * np.sign(missing)
+        strain = np.asarray(np.linalg.solve(self.stiffness, missing), dtype=np.float64)
+        return strain * min(1.0, most / max(float(np.abs(strain).max()), SMALLEST))
+
+    def learnt(self, strain: FloatArray, gained: FloatArray) -> _Answer:
+        """After one more trial."""
+        if not strain.any():
+            return self
+        if self.stiffness is not None:
+            return _Answer(self.stiffness + np.outer(gained - self.stiffness @ strain, strain) / float(strain @ strain))
+        if np.all(gained * strain > 0.0):
+            return _Answer(np.diag(gained / strain))
+        return self

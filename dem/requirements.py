@@ -13,7 +13,7 @@ from contactlaws.errors import InputError, Problem
 from contactlaws.tangential import Damper, Mindlin, Rolling
 from dem import box as boxes
 from dem import particles as bodies
-from dem.scene import Contact, Scene
+from dem.scene import UNCHANGED, Contact, QuasiStatic, Scene, beginnings
 from dem.working import Working
 
 #: what can be carried along though the scene does not need it
@@ -22,6 +22,8 @@ CARRIED = ("radius", "mass", "rates", "rotation", "history")
 QUASI_STATIC = 1e-3
 #: strain that a stage under stress control is given time for, if it has no duration
 SERVO_STRAIN = 0.05
+#: contact force that counts in a quasi-static scene, over that of the largest strain
+LOAD_SHARE = 0.1
 #: coordination number with which the pressure of a compressed packing is estimated
 EXPECTED_CONTACTS = 6.0
 
@@ -44,6 +46,9 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
         yield Problem("density_scaling", scene.density_scaling, "must be positive", "1 leaves the masses as they are")
     if not 0.0 <= scene.moving_walls <= 1.0:
         yield Problem("moving_walls", scene.moving_walls, "must lie in [0, 1]", "0 moves the upper wall, 1 the lower, 0.5 both")
+    elif scene.moving_walls and (scene.affine or not any(scene.walls)):
+        bound = "matters only to walls that move by themselves"
+        yield Problem("moving_walls", scene.moving_walls, bound, "set walls and affine=False, or leave it out")
     if not 0.0 <= scene.neglect < 1.0:
         yield Problem("neglect", scene.neglect, "must lie in [0, 1)", "0 neglects nothing")
     for name in scene.carry:
@@ -52,8 +57,24 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
     if scene.drag is not None and not 0.0 < scene.drag < math.inf:
         yield Problem("drag", scene.drag, "must be positive", "None is no drag")
     for name in ("outputs", "frames", "threads"):
-        if getattr(scene, name) < 1:
-            yield Problem(name, getattr(scene, name), "must be at least 1", "ask for some output")
+        if not (isinstance(value := getattr(scene, name), int) and value >= 1):
+            yield Problem(name, value, "must be a whole number, at least 1", "ask for some output")
+    for one, other, _ in scene.between:
+        if not (0 <= one < scene.kinds and 0 <= other < scene.kinds):
+            yield Problem("between", (one, other), f"there are kinds 0 to {scene.kinds - 1}", "give the particles their `kind`")
+    if scene.quasi_static is not None:
+        yield from _search_problems(scene.quasi_static)
+
+
+def _search_problems(settings: QuasiStatic) -> Iterator[Problem]:
+    for name in ("strain_step", "force", "kinetic", "displacement"):
+        if not 0.0 < (value := getattr(settings, name)) < 1.0:
+            yield Problem(f"quasi_static.{name}", value, "must lie in (0, 1)", f"the default is {QuasiStatic._field_defaults[name]:g}")
+    for name in ("most", "look"):
+        if not (isinstance(value := getattr(settings, name), int) and value >= 1):
+            yield Problem(f"quasi_static.{name}", value, "must be a whole number, at least 1", "it counts iterations")
+    if settings.method not in ("fire", "damped"):
+        yield Problem("quasi_static.method", settings.method, "must be fire or damped", "the default is fire")
 
 
 def _wall_problems(scene: Scene) -> Iterator[Problem]:
@@ -97,6 +118,8 @@ def _problems_of(contact: Contact) -> Iterator[Problem]:
             yield Problem(role, value, f"must be a {record.__name__} of contactlaws.tangential", "or None")
         elif not all(math.isfinite(number) and number >= 0.0 for number in value):
             yield Problem(role, tuple(value), "must be finite numbers, 0 or more", "see contactlaws.tangential")
+    if contact.fitted_overlap is not None and not 0.0 < contact.fitted_overlap < math.inf:
+        yield Problem("fitted_overlap", contact.fitted_overlap, "must be positive", "None if it is not known")
     if contact.rolling is not None and contact.tangential is None:
         yield Problem("rolling", contact.rolling, "needs friction: without it no contact can turn a sphere", "give the tangential role too")
 
@@ -177,8 +200,13 @@ def inertial_time(scene: Scene) -> float:
 
 
 def largest_strain(scene: Scene) -> float:
-    """Largest engineering strain or shear that the programme reaches from the initial box."""
-    return max((abs(value) for stage in scene.programme for value in (*(1.0 - s for s in stage.stretch), *stage.shear)), default=0.0)
+    """Largest engineering strain or shear of the programme; that of stages after a stress has been reached comes on top."""
+    total, largest = 0.0, 0.0
+    for before, stage in zip((UNCHANGED, *scene.programme), scene.programme, strict=False):
+        if before.follows_stress:
+            total, largest = total + largest, 0.0
+        largest = max(largest, *(abs(1.0 - stretch) for stretch in stage.stretch), *(abs(angle) for angle in stage.shear))
+    return total + largest
 
 
 def durations(scene: Scene) -> tuple[float, ...]:
@@ -199,15 +227,11 @@ def drags(scene: Scene) -> tuple[float, ...]:
 
 def changes(scene: Scene) -> tuple[float, ...]:
     """Largest change of stretch or shear in each stage; of a stage under stress control, the strain that it is given time for."""
-    before = (((1.0, 1.0, 1.0), (0.0, 0.0, 0.0)), *((stage.stretch, stage.shear) for stage in scene.programme))
-    moved = (
-        max(abs(b - a) for a, b in zip((*stretch, *shear), (*new.stretch, *new.shear), strict=True))
-        for (stretch, shear), new in zip(before, scene.programme, strict=False)
-    )
-    return tuple(
-        max(change, SERVO_STRAIN) if any(s is not None for s in stage.stress) else change
-        for change, stage in zip(moved, scene.programme, strict=False)
-    )
+    moved = []
+    for start, stage in zip(beginnings(scene.programme), scene.programme, strict=True):
+        change = max(abs(b - a) for a, b in zip((*start.stretch, *start.shear), (*stage.stretch, *stage.shear), strict=True))
+        moved.append(max(change, SERVO_STRAIN) if stage.follows_stress else change)
+    return tuple(moved)
 
 
 #: nanoseconds per particle-step that each part costs beside frictionless elastic spheres with 6 contacts each, on one thread;
@@ -247,12 +271,19 @@ def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
     if scene.quasi_static is not None:
         along = "carries the particles along" if scene.affine else "leaves the particles where they are"
         settings = scene.quasi_static
-        return (f"quasi-static: strain steps of at most {settings.strain_step:g}, rest by {settings.method}; the box {along} in each step",)
+        return (
+            f"quasi-static: strain steps of at most {settings.strain_step:g}, rest by {settings.method}; the box {along} in each step",
+            "no inertia: density scaling, inertial number, time step and drag have no effect, and dampers next to none; a stage without a "
+            "duration counts as 1 s",
+        )
     lines = ["the box deforms affinely and carries the particles along (SLLOD); velocities and kinetic energy are relative to it"]
     if not scene.affine:
         lines = ["only faces and walls of the box move; the particles follow by contact"]
     if scene.density_scaling != 1.0:
-        lines.append(f"density scaling: all masses times {scene.density_scaling:g}; inertial numbers are those of the heavier spheres")
+        lines.append(
+            f"density scaling: all masses times {scene.density_scaling:g}, time steps times {math.sqrt(scene.density_scaling):.3g}; "
+            f"inertial numbers are those of the heavier spheres, and a quasi-static answer asks for at most {QUASI_STATIC:g}"
+        )
     for number, (change, duration, drag) in enumerate(zip(changes(scene), durations, drags(scene), strict=True)):
         if change == 0.0 or not scene.particles.size:
             continue
@@ -265,9 +296,18 @@ def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
 
 
 def rate_warnings(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
-    """Stages too fast for a quasi-static answer."""
+    """Stages too fast for a quasi-static answer, and scaled masses that gain nothing."""
     if not scene.particles.size or scene.quasi_static is not None:
         return ()
-    moving = ((change, duration) for change, duration in zip(changes(scene), durations, strict=True) if change > 0.0)
-    numbers = [change / duration * inertial_time(scene) for change, duration in moving]
-    return tuple(f"inertial number {n:.2g} > {QUASI_STATIC:g}: inertia shows in the stress" for n in numbers if n > 1.001 * QUASI_STATIC)
+    idle = [str(number) for number, stage in enumerate(scene.programme) if stage.duration is None]
+    useless = (
+        f"density scaling saves nothing in stages without a duration ({', '.join(idle)}): the inertial number makes them "
+        f"{math.sqrt(scene.density_scaling):.3g} times longer, as the time step",
+    )
+    numbers = [change / duration * inertial_time(scene) for change, duration in zip(changes(scene), durations, strict=True)]
+    fast = tuple(
+        f"stage {stage}: inertial number {number:.2g} > {QUASI_STATIC:g}: inertia shows in the stress"
+        for stage, number in enumerate(numbers)
+        if number > 1.001 * QUASI_STATIC
+    )
+    return (*(useless if idle and scene.density_scaling != 1.0 else ()), *fast)

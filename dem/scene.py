@@ -37,12 +37,39 @@ class Contact(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """A part of the loading programme: the edges of the box go linearly to `stretch` times the initial ones, or follow a stress."""
+    """A part of the loading programme: the edges of the box go linearly to `stretch` times what they were, or follow a stress.
 
-    stretch: tuple[float, float, float]  # at the end, over the box of the scene
+    Stretch and shear count from the box of the scene or, once a stage was under stress control, from the box in which the last such ended.
+    """
+
+    stretch: tuple[float, float, float]  # at the end
     duration: float | None = None  # s; None: as slow as the scene's inertial number says
     shear: tuple[float, float, float] = (0.0, 0.0, 0.0)  # at the end: change of tilt xy, xz, yz over the height
     stress: tuple[float | None, float | None, float | None] = (None, None, None)  # Pa, compression positive; None: strain-controlled
+    keep: bool = False  # whether stretch and shear are those with which the stage begins
+
+    @property
+    def follows_stress(self) -> bool:
+        """Whether any edge is under stress control."""
+        return any(stress is not None for stress in self.stress)
+
+
+#: a box as it is
+UNCHANGED = Stage((1.0, 1.0, 1.0))
+
+
+def beginnings(programme: tuple[Stage, ...]) -> tuple[Stage, ...]:
+    """The stretch and shear from which each stage goes on, by a stage that ends with them."""
+    return tuple(UNCHANGED if before.follows_stress else before for before in (UNCHANGED, *programme[:-1]))[: len(programme)]
+
+
+def _kept(programme: tuple[Stage, ...]) -> tuple[Stage, ...]:
+    """The programme with the stretch and shear that its stages keep written into them."""
+    found: tuple[Stage, ...] = ()
+    for stage in programme:
+        start = beginnings((*found, stage))[-1]
+        found = (*found, stage._replace(stretch=start.stretch, shear=start.shear) if stage.keep else stage)
+    return found
 
 
 def uniaxial_compression(strain: float, axis: int = 2, strain_rate: float | None = None, release: bool = True) -> tuple[Stage, ...]:
@@ -70,9 +97,9 @@ def simple_shear(angle: float, duration: float | None = None) -> Stage:
     return Stage((1.0, 1.0, 1.0), duration, (0.0, angle, 0.0))
 
 
-def hold(duration: float, at: Stage | None = None) -> Stage:
-    """The box left as it is at the end of `at` (None: as at the start) for `duration` (s)."""
-    return (at or Stage((1.0, 1.0, 1.0)))._replace(duration=duration)
+def hold(duration: float, pressure: float | None = None) -> Stage:
+    """The box left as it is for `duration` (s); with a `pressure` (Pa), every edge held at that."""
+    return UNCHANGED._replace(duration=duration, stress=(pressure,) * 3, keep=True)
 
 
 def confined(pressure: float, duration: float | None = None) -> Stage:
@@ -103,7 +130,7 @@ class Scene:
     between: tuple[tuple[int, int, Contact], ...] = ()  # kinds of particles that meet by other laws than `contact`
     walls: tuple[bool, bool, bool] = (False, False, False)  # along which open axes the box has a wall at both faces
     wall_contact: tuple[Contact, ...] | None = None  # of each kind; None: its own law on a rigid flat
-    moving_walls: float = 0.0  # share of an edge's change that its lower wall makes: 0 the upper moves, 1 the lower, 0.5 both
+    moving_walls: float = 0.0  # share of an edge's change that its lower wall makes: 0 the upper moves, 1 the lower, 0.5 both; not affine
     affine: bool = True  # whether the box carries the particles along as it deforms; if not, only its images and walls move
     quasi_static: QuasiStatic | None = None  # a sequence of states of rest; None: motion in time
     outputs: int = 60  # recorded states per stage
@@ -112,11 +139,14 @@ class Scene:
     drag: float | None = 2.5  # on velocities relative to a box that deforms: their rate of decay times d sqrt(rho/p); None: no drag
     time_step_fraction: float = 0.4  # of the critical step
     adaptive_step: bool = False  # whether the step follows, from output to output, the deepest contact there is
-    density_scaling: float = 1.0  # all masses times this: a larger time step for a slow programme
+    density_scaling: float = 1.0  # all masses times this: larger time steps in stages that have a duration
     skin: float = 0.05  # of the Verlet list, over the largest diameter
     threads: int = 1
     neglect: float = 1e-3  # error of the stress for which a relaxing law may give way to an elastic one; 0: none
     carry: tuple[str, ...] = ()  # what is carried though the scene does not need it: see requirements.CARRIED
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "programme", _kept((self.programme,) if isinstance(self.programme, Stage) else self.programme))
 
     @property
     def content_hash(self) -> str:

@@ -19,12 +19,12 @@ from contactlaws.version import code_version
 from dem import checkpoint as disk
 from dem import requirements
 from dem.forces import LARGEST
-from dem.measure import Network, largest_overlap
+from dem.measure import Network, largest_overlap, stress_tensor
 from dem.motion import Deformation
 from dem.quasi_static import step_to, step_to_stress
 from dem.record import COLUMNS, Beyond, Frame, deepest_beyond, in_scene_order, observe, pressures
-from dem.reduction import reduced
-from dem.scene import QuasiStatic, Scene, Stage, law_bytes
+from dem.reduction import faster_than_reckoned, reduced
+from dem.scene import QuasiStatic, Scene, beginnings, law_bytes
 from dem.timestep import TimeStep, collision_overlap, scene_time_step
 from dem.trajectory import Trajectory, trajectory
 from dem.working import Working, arrays_of, follow, with_arrays, working
@@ -38,8 +38,6 @@ NON_AFFINE = 2.0
 SERVO_BAND = 0.05
 #: how many times longer than the cautious step an adaptive one may become
 LONGER = 10.0
-#: contact force that counts in a quasi-static scene, over that of the largest strain
-LOAD_SHARE = 0.1
 #: CPU seconds between two checkpoints
 CHECKPOINT_EVERY = 5.0
 
@@ -76,7 +74,7 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
     report = progress or (lambda fraction, text: None)
     began = clock.process_time()
     identity = {"scene": scene.content_hash, "code": code_version()}
-    scene, replaced = reduced(scene, requirements.durations(scene))
+    asked, (scene, replaced) = scene, reduced(scene, requirements.durations(scene))
     work = working(scene)
     require(requirements.overlap_problems(scene, largest_overlap(work)))
     plan = prepare(scene, work, replaced)
@@ -92,6 +90,8 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
         _write_down(scene, work, plan, log, 0.0, 0)
     for number in range(len(log.rows), total + 1):
         stage, part = divmod(number - 1, scene.outputs)
+        if part == 0:
+            _begin(scene, work, stage)
         if scene.quasi_static is None:
             deformation = _interval(scene, work, plan, stage, part)
             work, lists = follow(work, deformation, 0, deformation.steps, scene.moving_walls)
@@ -115,9 +115,8 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
             disk.save(path, identity, *_saved(work, log))
             saved = clock.process_time()
         report(number / total, _line(log.rows[-1]))
-    return trajectory(
-        scene, log.rows, log.frames, log.beyond, _statistics(scene, plan, log, identity, work), plan.notes, plan.warnings, stopped
-    )
+    warnings = (*plan.warnings, *faster_than_reckoned(asked, scene, log.rows))
+    return trajectory(scene, log.rows, log.frames, log.beyond, _statistics(scene, plan, log, identity, work), plan.notes, warnings, stopped)
 
 
 def _end_of(work: Working, number: int, dt: float) -> str | None:
@@ -133,35 +132,43 @@ def _end_of(work: Working, number: int, dt: float) -> str | None:
     return None
 
 
+def _begin(scene: Scene, work: Working, stage: int) -> None:
+    """Note with which stress a stage begins, and from which box the stretch counts."""
+    if stage > 0 and scene.programme[stage - 1].follows_stress:
+        work.begun[0] = work.cell
+    work.begun[1] = stress_tensor(work, with_motion=False)
+
+
 def _rested(scene: Scene, work: Working, plan: Plan, settings: QuasiStatic, stage: int, part: int) -> tuple[Working, int, str | None]:
     """Go from one output to the next by states of rest; also the iterations it took, and what went wrong."""
-    start, end = (_cell(scene, stage, (part + k) / scene.outputs) for k in (0, 1))
+    start, end = (_cell(scene, work, stage, (part + k) / scene.outputs) for k in (0, 1))
     asked, duration, iterations = scene.programme[stage].stress, plan.durations[stage] / scene.outputs, 0
     change = max(float(np.abs(np.linalg.solve(start, end) - np.eye(3)).max()), 0.0)
-    load = LOAD_SHARE * requirements.typical_force(scene)
+    load, first = requirements.LOAD_SHARE * requirements.typical_force(scene), np.diag(work.begun[1])
 
     def critical(overlap: float) -> float:
         return scene_time_step(scene, overlap, 1.0).critical if scene.particles.size else 1.0
 
     parts = max(1, math.ceil(change / settings.strain_step * (1.0 - 1e-9)))
     for k in range(parts):
-        if any(stress is not None for stress in asked):
+        cell = end if k + 1 == parts else start + (end - start) * ((k + 1) / parts)
+        step = (duration / parts, scene.affine, critical, load, settings)
+        if scene.programme[stage].follows_stress:
             share = (part + (k + 1) / parts) / scene.outputs
-            target = tuple(None if stress is None else stress * share for stress in asked)
-            work, rest = step_to_stress(work, target, duration / parts, scene.affine, critical, load, settings)
+            target = tuple(None if stress is None else begun + (stress - begun) * share for stress, begun in zip(asked, first, strict=True))
+            work, rest = step_to_stress(work, cell, target, *step)
         else:
-            cell = end if k + 1 == parts else start + (end - start) * ((k + 1) / parts)
-            work, rest = step_to(work, cell, duration / parts, scene.affine, critical, load, settings)
+            work, rest = step_to(work, cell, *step)
         iterations += rest.iterations
         if not rest.found:
             return work, iterations, rest.report
     return work, iterations, None
 
 
-def _cell(scene: Scene, stage: int, share: float) -> FloatArray:
+def _cell(scene: Scene, work: Working, stage: int, share: float) -> FloatArray:
     """Edge vectors in m when `share` of a stage is done, as the programme wants them."""
-    start = scene.programme[stage - 1] if stage > 0 else Stage((1.0, 1.0, 1.0))
-    before, after = (scene.box.stretched(s.stretch, s.shear).cell for s in (start, scene.programme[stage]))
+    ends, box = (beginnings(scene.programme)[stage], scene.programme[stage]), scene.box.with_cell(work.begun[0])
+    before, after = (box.stretched(end.stretch, end.shear).cell for end in ends)
     return after if share == 1.0 else before + (after - before) * share
 
 
@@ -171,16 +178,16 @@ def _interval(scene: Scene, work: Working, plan: Plan, stage: int, part: int) ->
     most = plan.step.dt
     if scene.adaptive_step and scene.particles.size:
         deepest = largest_overlap(work) + NON_AFFINE * 2.0 * float(scene.particles.radii.max()) * _squeeze(scene, stage) / scene.outputs
-        most = min(max(most, scene_time_step(scene, deepest, scene.time_step_fraction).dt), LONGER * most)
+        most = min(scene_time_step(scene, deepest, scene.time_step_fraction).dt, LONGER * most)
     steps = max(1, math.ceil(duration / most))
     target, gain, fastest = np.zeros(3), np.zeros(3), 0.0
     wanted = scene.programme[stage].stress
-    if any(stress is not None for stress in wanted):
+    if scene.programme[stage].follows_stress:
         fastest = scene.inertial_number / requirements.inertial_time(scene)
         scale = max(stress or 0.0 for stress in wanted) or requirements.reference_pressure(scene, requirements.SERVO_STRAIN)
         target = np.array([stress or 0.0 for stress in wanted])
         gain = np.array([0.0 if stress is None else fastest / (SERVO_BAND * scale) for stress in wanted])
-    start, end = (_cell(scene, stage, (part + k) / scene.outputs) for k in (0, 1))
+    start, end = (_cell(scene, work, stage, (part + k) / scene.outputs) for k in (0, 1))
     return Deformation(start, end, steps, duration / steps, plan.drags[stage], scene.affine, target, gain, fastest)
 
 
@@ -197,7 +204,7 @@ def prepare(scene: Scene, work: Working, replaced: tuple[str, ...] = ()) -> Plan
     kept = {0} | {stage * scene.outputs + k for stage in range(len(durations)) for k in within}
     notes = (*replaced, *requirements.left_out(scene, work), *requirements.motion_notes(scene, durations))
     if scene.quasi_static is None:
-        notes = (*notes, step.note)
+        notes = (*notes, step.note + ("; it follows the deepest contact from output to output" if scene.adaptive_step else ""))
     return Plan(durations, requirements.drags(scene), frozenset(kept), step, notes, requirements.rate_warnings(scene, durations))
 
 
@@ -207,11 +214,11 @@ def _time_step(scene: Scene, work: Working, durations: tuple[float, ...]) -> Tim
         return TimeStep(min(durations) / scene.outputs, math.inf, 0.0, 0.0, 0, math.inf)
     widest, speed = float(bodies.radii.max()), 2.0 * float(np.sqrt((bodies.velocity**2).sum(axis=1)).max())
     squeezed = 2.0 * widest * min(requirements.largest_strain(scene), 1.0)
-    if any(stress is not None for stage in scene.programme for stress in stage.stress):
+    if any(stage.follows_stress for stage in scene.programme):
         squeezed += 2.0 * widest * requirements.SERVO_STRAIN
     overlap = largest_overlap(work) + NON_AFFINE * squeezed
     overlap += max(collision_overlap(contact.normal, bodies._replace(mass=scene.masses), speed) for contact in scene.contacts)
-    return scene_time_step(scene, overlap or 1e-6 * widest, scene.time_step_fraction)
+    return scene_time_step(scene, overlap, scene.time_step_fraction)
 
 
 def _write_down(scene: Scene, work: Working, plan: Plan, log: Log, dt: float, number: int) -> None:

@@ -26,6 +26,8 @@ KISSING_NUMBER = 12
 ITASCA = 0.17
 #: of the tangential spring of a solid sphere: 1 + m R^2/I
 TURNING = 3.5
+#: overlap over the radius at which a contact has a stiffness worth the name
+SHALLOW = 1e-6
 
 
 class TimeStep(NamedTuple):
@@ -77,7 +79,11 @@ def time_step(law: object, particles: Particles, overlap: float, fraction: float
 
 
 def scene_time_step(scene: Scene, overlap: float, fraction: float) -> TimeStep:
-    """`fraction` of the critical step of a scene: the smallest of all kinds of contact, dampers and density scaling included."""
+    """`fraction` of the critical step of a scene: the smallest of all kinds of contact, dampers and density scaling included.
+
+    Overlaps below a millionth of the largest radius count as that.
+    """
+    overlap = max(overlap, SHALLOW * float(scene.particles.radii.max()))
     return min(_steps(scene, overlap, fraction), key=lambda step: step.critical)
 
 

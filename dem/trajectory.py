@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from dem.measure import Energies
 from dem.record import COLUMNS, Beyond, Frame
-from dem.requirements import QUASI_STATIC
+from dem.requirements import QUASI_STATIC, typical_force
 from dem.scene import Scene
 from dem.timestep import scene_time_step
 
@@ -20,10 +20,14 @@ FloatArray = npt.NDArray[np.float64]
 
 #: what the energy balance must close to
 BALANCE = 1e-3
+#: an energy that counts, over that of a force which does on a way of one radius: some 1e-10 of the radius deep; below lies round-off
+SMALLEST_ENERGY = 1e-24
 #: kinetic over stored energy at the highest pressure, beyond which a loading is not slow
 SLOW = 0.01
 #: time step over the critical one beyond which leap-frog is no longer accurate
 CAREFUL = 0.5
+#: how far from the largest stress asked for a stage may end
+MISSED = 0.05
 
 
 @dataclass(frozen=True)
@@ -72,8 +76,10 @@ def trajectory(
         np.stack([column[f"{n} {a}{b}"] for a in "xyz" for b in "xyz"], axis=-1).reshape(-1, 3, 3) for n in ("stress", "fabric")
     )
     top = int(np.argmax(energies.stored))
+    held = float(np.max(sum(energies[:-1])))
+    worth = SMALLEST_ENERGY * typical_force(scene) * float(np.mean(scene.particles.radii)) if scene.particles.size else 0.0
     summary = {
-        "energy_balance": float(np.abs(energies.balance).max()),
+        "energy_balance": float(np.abs(energies.balance).max()) * (held / worth if held < worth else 1.0),
         "kinetic_over_stored_at_peak": float(energies.kinetic[top] / energies.stored[top]) if energies.stored[top] > 0.0 else None,
         "largest_overlap": float(column["largest overlap"].max()),
         "inertial_number_at_peak": _inertial_number_at(top, scene, column),
@@ -125,7 +131,8 @@ def _step_over_critical(scene: Scene, relative_overlap: float, steps: list[float
 
 
 def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[str, Any], beyond: list[Beyond]) -> Iterator[str]:
-    deepest = summary["largest_overlap"]
+    deepest, still = summary["largest_overlap"], scene.quasi_static is not None
+    limits = [contact.fitted_overlap for contact in scene.contacts]
     if beyond:
         most, worst = int(column["contacts beyond"].max()), max(beyond, key=lambda contact: contact.depth)
         where = "a wall" if worst.second is None else f"sphere {worst.second}"
@@ -134,13 +141,29 @@ def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[st
             f"overlap left the range the law was fitted for: up to {most} contacts at an output, largest D = {worst.depth:.4g} between "
             f"sphere {worst.first} at ({x:.4g}, {y:.4g}, {z:.4g}) m and {where} at output {worst.output}"
         )
-    if scene.quasi_static is None and summary["time_step_over_critical_at_largest_overlap"] > CAREFUL:
+    elif None not in limits and deepest > max(limit or 0.0 for limit in limits):
+        yield f"overlap left the range the law was fitted for between outputs: largest D = {deepest:.4g}; ask for more outputs to see where"
+    yield from _missed_stresses(scene, column)
+    if not still and summary["time_step_over_critical_at_largest_overlap"] > max(CAREFUL, 1.001 * scene.time_step_fraction):
         yield f"contacts got deeper than expected (D = {deepest:.4g}): the time step is no longer small, take a smaller time_step_fraction"
     if summary["energy_balance"] > BALANCE:
-        yield f"the energy balance closes to {summary['energy_balance']:.2g} only: take a smaller time_step_fraction"
-    if (scene.drag is not None or scene.density_scaling != 1.0) and scene.quasi_static is None:
+        yield f"the energy balance closes to {summary['energy_balance']:.2g} only: take smaller {'strain' if still else 'time'} steps"
+    if (scene.drag is not None or scene.density_scaling != 1.0) and not still:
         ratio, number = summary["kinetic_over_stored_at_peak"], summary["inertial_number_at_peak"]
         if ratio is not None and ratio > SLOW:
-            yield f"kinetic energy is {ratio:.2g} of the stored one at the peak: take a smaller inertial_number for a quasi-static answer"
+            yield f"kinetic energy is {ratio:.2g} > {SLOW:g} of the stored one at the peak: take a smaller inertial_number to be slow"
         if number is not None and number > QUASI_STATIC:
             yield f"inertial number {number:.2g} > {QUASI_STATIC:g} with the pressure that was reached: inertia shows in the stress"
+
+
+def _missed_stresses(scene: Scene, column: dict[str, FloatArray]) -> Iterator[str]:
+    """Stages that end away from the stress they were to reach."""
+    for number, stage in enumerate(scene.programme):
+        rows = np.flatnonzero((column["stage"] == number) & (column["time"] > 0.0))
+        largest = max((stress for stress in stage.stress if stress is not None), default=0.0)
+        if len(rows) < scene.outputs:
+            continue
+        for axis, wanted in zip("xyz", stage.stress, strict=True):
+            reached = float(column[f"stress {axis}{axis}"][rows[-1]])
+            if wanted is not None and abs(reached - wanted) > MISSED * largest:
+                yield f"stage {number} ends with {reached:.3g} Pa along {axis} in place of {wanted:.3g} Pa: give it a longer duration"

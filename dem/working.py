@@ -50,6 +50,7 @@ class Working(NamedTuple):
     order: npt.NDArray[np.int32]  # row k here is row order[k] of the scene's particles
     cell: FloatArray  # m; the edge vectors
     old: FloatArray  # m; one step earlier
+    begun: FloatArray  # the edge vectors in m that stretch counts from, and the stress in Pa with which the stage began; shape (2, 3, 3)
     walls: FloatArray  # see forces.Frame
     kinds: tuple[Kind, ...]  # of each group
     groups: tuple[Group, ...]
@@ -127,6 +128,7 @@ def working(scene: Scene) -> Working:
         order=order.astype(np.int32),
         cell=scene.box.cell,
         old=scene.box.cell,
+        begun=np.stack([scene.box.cell, np.zeros((3, 3))]),
         walls=walls.reshape(-1, 4),
         kinds=kinds,
         groups=tuple(_new_group(kind.contact, bool(many), kind.second is None, scene.carry) for kind in kinds),
@@ -266,10 +268,13 @@ def _ended(work: Working, group: Group, row: int) -> float:
     return sum(pair.pair_energy(law, scale, 0.0, dispatch.load_state(law, group.memory, row), share))
 
 
+#: arrays of the state itself
+OWN = ("cell", "old", "begun", "walls", "force", "torque", "virial", "reaction", "tally")
+
+
 def arrays_of(work: Working) -> dict[str, np.ndarray]:
     """Everything that changes, by name, for a checkpoint."""
-    names = ("cell", "old", "walls", "force", "torque", "virial", "reaction", "tally")
-    arrays: dict[str, Any] = {name: getattr(work, name) for name in names}
+    arrays: dict[str, Any] = {name: getattr(work, name) for name in OWN}
     arrays |= {f"body_{name}": value for name, value in work.bodies._asdict().items() if isinstance(value, np.ndarray)}
     arrays |= {f"list_{name}": getattr(work.listed, name) for name in ("position", "cell", "images")}
     for number, group in enumerate(work.groups):
@@ -291,8 +296,7 @@ def with_arrays(work: Working, arrays: dict[str, np.ndarray]) -> Working:
         own = those(f"group{number}_")
         rows = Rows(own["first"], own["partner"], own.get("image"))
         groups.append(group._replace(rows=rows, past=Past(*(own.get(name) for name in Past._fields))))
-    names = ("cell", "old", "walls", "force", "torque", "virial", "reaction", "tally")
-    changed: dict[str, Any] = {name: arrays[name] for name in names}
+    changed: dict[str, Any] = {name: arrays[name] for name in OWN}
     return work._replace(bodies=bodies, listed=listed, groups=tuple(groups), **changed)
 
 

@@ -43,7 +43,7 @@ def test_an_elastic_law_in_place_of_a_relaxing_one_keeps_its_bound(duration: flo
     assert bound < 1e-3
     assert elastic.pressure[-1] == pytest.approx(full.pressure[-1], rel=bound)
     assert abs(elastic.pressure[-1] / full.pressure[-1] - 1.0) > 0.05 * bound  # the bound is not idle either
-    assert any("instead of maxwell_zener" in note for note in elastic.notes)
+    assert any("in place of the relaxing one" in note for note in elastic.notes)
 
 
 def test_between_the_limits_the_law_stays() -> None:

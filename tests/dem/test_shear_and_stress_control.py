@@ -9,6 +9,8 @@ import pytest
 
 import dem
 from contactlaws.elastic import Hertz
+from contactlaws.maxwell_zener import maxwell_zener
+from contactlaws.prony import Relaxation
 from contactlaws.tangential import mindlin
 from dem.box import Box
 from dem.measure import network, stress_tensor
@@ -129,6 +131,64 @@ def test_one_edge_held_and_two_pressed(hertz: Hertz, shaken_crystal: Packing) ->
     run = dem.run(made)
     assert run.stopped is None
     np.testing.assert_allclose(np.diag(run.stress[-1])[1:], pressure, rtol=3e-3)
+    confined = run.strain[4]
+    np.testing.assert_allclose(1.0 - run.strain[-1, 0], 0.97 * (1.0 - confined[0]), rtol=1e-12)  # of the box that was confined
+
+
+@pytest.mark.compiled_only(reason="searches for rest")
+@pytest.mark.parametrize("way", ["dynamic", "quasi-static"])
+def test_a_stage_goes_on_from_where_the_stress_was_reached(way: str, hertz: Hertz, shaken_crystal: Packing) -> None:
+    """Confine, shear, hold: the edges stay as the confinement left them, at constant volume, and the hold keeps the shear."""
+    pressure, angle = 1e-3 * hertz.reduced_modulus, 0.02
+    settings = {"quasi_static": QuasiStatic()} if way == "quasi-static" else {"inertial_number": 5e-3}
+    programme = (dem.confined(pressure), dem.simple_shear(angle), dem.hold(1e-7))
+    run = dem.run(dem.packed_scene(shaken_crystal, DENSITY, dem.Contact(hertz), programme, outputs=4, **settings))
+    assert run.stopped is None
+    assert (run.strain[4] > 0.01).all()
+    np.testing.assert_allclose(run.strain[5:], np.broadcast_to(run.strain[4], (8, 3)), rtol=1e-12)
+    np.testing.assert_allclose(
+        run.shear[:, 1], [*[0.0] * 5, *(np.arange(1, 5) * angle / 4), *[angle] * 4], rtol=1e-5, atol=1e-15
+    )  # of edges that the stress left unequal
+
+
+@pytest.mark.compiled_only(reason="searches for rest")
+def test_a_second_stress_begins_with_the_first(hertz: Hertz, shaken_crystal: Packing) -> None:
+    """In even parts from there, within the search's tolerance."""
+    pressure = 1e-3 * hertz.reduced_modulus
+    made = dem.packed_scene(
+        shaken_crystal,
+        DENSITY,
+        dem.Contact(hertz),
+        (dem.confined(pressure), dem.confined(2.0 * pressure)),
+        outputs=4,
+        quasi_static=QuasiStatic(),
+    )
+    run = dem.run(made)
+    expected = pressure * np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0])
+    np.testing.assert_allclose(run.pressure[1:], expected, rtol=3e-3 * 4.0)
+
+
+@pytest.mark.compiled_only(reason="searches for rest")
+def test_a_lattice_creeps_under_its_pressure_as_one_contact() -> None:
+    """At constant force the overlap of a relaxing contact grows to (E0/E_infinity)^(2/3) of that at once: half the modulus here.
+
+    The pressure is that of the force, but for the box: it shrinks by the overlap, 1e-4. Over ten relaxation times in 20 steps.
+    """
+    law = maxwell_zener(Relaxation(MATERIAL.reduced_modulus, (0.5,), (1.0,)), RADIUS)
+    lattice, at_once = face_centred_cubic((2, 2, 2), RADIUS), Hertz(RADIUS, MATERIAL.reduced_modulus)
+    box = lattice.box.stretched((0.9999,) * 3)
+    bodies = dem.spheres(lattice.position * 0.9999, RADIUS, DENSITY)
+    still = working(dem.Scene(bodies, box, dem.Contact(at_once), (dem.hold(1.0),)))
+    pressure = float(np.trace(stress_tensor(still)) / 3.0)
+    programme = (dem.confined(pressure, 1e-6), dem.hold(10.0, pressure))
+    bodies = dem.spheres(lattice.position, RADIUS, DENSITY)
+    made = dem.Scene(bodies, lattice.box, dem.Contact(law), programme, outputs=20, neglect=0.0, quasi_static=QuasiStatic(force=1e-6))
+    run = dem.run(made)
+    assert run.stopped is None
+    np.testing.assert_allclose(run.pressure[20:], pressure, rtol=4e-3)
+    overlap = run.strain[:, 0] * 2.0 * RADIUS
+    assert overlap[20] == pytest.approx(1e-4 * 2.0 * RADIUS, rel=4e-3)
+    assert overlap[-1] / overlap[20] == pytest.approx(2.0 ** (2.0 / 3.0), rel=1e-2)
 
 
 @pytest.mark.compiled_only(reason="searches for rest")
