@@ -68,7 +68,7 @@ class Rows(NamedTuple):
 
     first: IndexArray
     partner: IndexArray
-    image: npt.NDArray[np.uint16] | None  # row of the shifts
+    image: npt.NDArray[np.uint16 | np.uint32] | None  # row of the shifts
 
 
 class Past(NamedTuple):

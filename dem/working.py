@@ -242,9 +242,9 @@ def _carried_over(work: Working, group: Group, new: tuple[Any, Any, Any], images
             homeless = np.setdiff1d(np.flatnonzero(memory.any(axis=1)), source[there])
             work.tally[0, LOST] += sum(_ended(work, group, row) for row in homeless)
         kept = Past(*(None if array is None else _moved(array, source, there, array is group.memory) for array in past))
-    return group._replace(
-        rows=Rows(first.astype(np.uint32), partner.astype(np.uint32), None if rows.image is None else image.astype(np.uint16)), past=kept
-    )
+    number = np.uint16 if len(images) <= np.iinfo(np.uint16).max else np.uint32  # of images: spheres may be anywhere in space
+    listed = None if rows.image is None else image.astype(number)
+    return group._replace(rows=Rows(first.astype(np.uint32), partner.astype(np.uint32), listed), past=kept)
 
 
 def _moved(array: FloatArray, source: npt.NDArray[np.int64], there: npt.NDArray[np.bool_], in_rows: bool) -> FloatArray:

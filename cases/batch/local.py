@@ -16,7 +16,8 @@ from cases.batch.worker import Job
 
 #: a task whose process has died so often is not tried again in the same run
 DEATHS = 3
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+#: what keeps libraries to one thread; kernels of ours take as many as a scene asks for
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class Said(NamedTuple):
@@ -50,7 +51,7 @@ class _Worker(NamedTuple):
 
 
 class LocalProcesses:
-    """At most `jobs` processes with one thread each, started when there is something to do.
+    """At most `jobs` processes, with one thread each but for scenes that ask for more, started when there is something to do.
 
     They are forked, where the system can, from a process that has loaded the modules of all `kinds` once; so a new one is there at once.
     method: another of multiprocessing's ways to start them.

@@ -85,3 +85,20 @@ def test_contact_across_a_corner(hertz: Hertz) -> None:
     box = Box((edge, edge, edge))
     near, far = (network(started(hertz, spheres(x, RADIUS, DENSITY), box)) for x in (apart, across))
     assert far.normal_force == pytest.approx(near.normal_force, rel=1e-12)  # round-off of the edge
+
+
+@pytest.mark.compiled_only(reason="a hundred thousand pairs")
+def test_spheres_strewn_over_many_boxes_feel_what_they_feel_in_one(hertz: Hertz) -> None:
+    """More images than two bytes can number: each sphere is moved by whole boxes."""
+    lattice = face_centred_cubic((12, 12, 12), RADIUS)
+    rng = np.random.default_rng(3)
+    shift = rng.integers(-40, 41, (len(lattice.position), 3)) * np.array(lattice.box.lengths)
+    box = lattice.box.stretched((0.99,) * 3)
+    stress, images = [], []
+    for moved in (np.zeros_like(shift), shift):
+        bodies = dem.spheres((lattice.position + moved) * 0.99, RADIUS, 1.0)
+        work = working(dem.Scene(bodies, box, dem.Contact(hertz), (dem.hold(1.0),)))
+        stress.append(stress_tensor(work))
+        images.append(len(work.listed.images))
+    assert images[1] > 65_535
+    np.testing.assert_allclose(stress[1], stress[0], rtol=0.0, atol=1e-9 * stress[0].max())  # places 40 boxes away know 1e-14 of a radius
