@@ -167,10 +167,12 @@ def fit_within(
     quantity: str = "force",
     table: LawScores | None = None,
     progress: Callable[[float, str], None] = lambda fraction, text: None,
+    also: tuple[str, ...] = (),
 ) -> Choice:
     """Fit laws to curves, from the cheapest on, until one differs from them by no more than `tolerance` in `quantity`.
 
-    quantity: one of `calibration.residuals.Measures`. Raises `InputError` that names the best if none does.
+    quantity: one of `calibration.residuals.Measures`; `also`: others that must keep the tolerance where the curves have them. Raises
+    `InputError` that names the best if none does.
     """
     if quantity not in Measures._fields:
         raise InputError(Problem("quantity", quantity, f"must be one of {', '.join(Measures._fields)}", "choose one"))
@@ -185,6 +187,8 @@ def fit_within(
         progress(number / len(order), law)
         found, reason = _tried(curves, law)
         error = None if found is None else getattr(found.residuals, quantity)
+        if found is not None and error is not None:
+            error = max(error, *(getattr(found.residuals, name) or 0.0 for name in also))
         if found is not None and error is None:
             reason = f"the law or the curves say nothing of the {quantity.replace('_', ' ')}"
         trials.append(Trial(law, nanoseconds, error, reason))

@@ -67,24 +67,33 @@ class _ProjectCache(FunctionCache):
             super().save_overload(sig, data)
 
 
-def kernel(function: Callable[..., Any], fastmath: Set[str] = frozenset(), inline: bool = False, parallel: bool = False) -> Any:
+def kernel(
+    function: Callable[..., Any], fastmath: Set[str] = frozenset(), inline: bool = False, parallel: bool = False, within: bool = False
+) -> Any:
     """Compile a function of this project: no Python objects, IEEE division, cached on disk under a hash of the sources.
 
     fastmath: what the compiler may do to sums and products that changes them by round-off, in LLVM's names ("contract", "reassoc", ...).
     inline: whether to make it part of whatever calls it. A record is handed over value by value, which takes longer than a short formula.
     parallel: whether the loops over `numba.prange` run on threads.
+    within: whether only other kernels call it. A way in from Python takes longer to compile than a short function.
     """
     compiled = numba.njit(
         error_model="numpy",
         fastmath=set(fastmath),
         forceinline=inline,
         parallel=parallel,
+        no_cpython_wrapper=within,
         no_cfunc_wrapper=True,  # nobody asks for one, and it takes as long to compile as the function
     )(function)
     if not numba.config.DISABLE_JIT:
         with _cache_folder(function.__module__.split(".")[0]):
             compiled._cache = _ProjectCache(function)
     return compiled
+
+
+def inner(function: Callable[..., Any]) -> Any:
+    """`kernel` for what only other kernels call."""
+    return kernel(function, within=True)
 
 
 def inlined(function: Callable[..., Any]) -> Any:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from numba import literal_unroll
 
 from contactlaws import dispatch, pair
-from contactlaws.compiled import kernel
+from contactlaws.compiled import inner, kernel
 from contactlaws.tangential import Damper, Mindlin, Rolling, damper_force, dragged, tangential_stiffness
 
 FloatArray = npt.NDArray[np.float64]
@@ -89,7 +89,7 @@ class Frame(NamedTuple):
     walls: FloatArray  # axis, 1 (particles above) or -1, place in m, velocity in m/s relative to the box; shape (w, 4)
 
 
-@kernel
+@inner
 def forget(law, scale, share, memory, row):  # type: ignore[no-untyped-def]
     """End a contact: clear its memory and return the energy in J that it has used up."""
     state = dispatch.load_state(law, memory, row)
@@ -363,7 +363,7 @@ def pair_forces(  # type: ignore[no-untyped-def]
     tally[LARGEST] = max(tally[LARGEST], share * largest)
 
 
-@kernel
+@inner
 def clear(sums):  # type: ignore[no-untyped-def]
     """Zeros in an array of shape (threads, k, 3)."""
     for part in range(sums.shape[0]):
@@ -405,7 +405,7 @@ def forces(groups, bodies, frame, dt, force, torque, virial, reaction, tally):  
             roles.normal, roles.tangential, roles.rolling, roles.damper, roles.share, roles.rates, roles.blocks,
             rows.first, rows.partner, rows.image, past.memory, past.slip, past.roll, past.damping,
             bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
-            frame, dt, (0, len(rows.first)), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
+            frame, dt, (np.int64(0), len(rows.first)), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
         )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from contactlaws.compiled import kernel
+from contactlaws.compiled import inner, kernel
 from dem.forces import DRAGGED, WORK, Frame, forces, forces_on_threads
 
 FloatArray = npt.NDArray[np.float64]
@@ -55,7 +55,7 @@ class Listed(NamedTuple):
 # What follows works on small matrices in plain loops: numpy's functions would double the time that compiling takes.
 
 
-@kernel
+@inner
 def place_cell(deformation, step, cell):  # type: ignore[no-untyped-def]
     """Put the edge vectors after `step` steps of the stage into `cell`, but for the edges under stress control."""
     start, end = deformation.start, deformation.end
@@ -66,7 +66,7 @@ def place_cell(deformation, step, cell):  # type: ignore[no-untyped-def]
                 cell[i, j] = end[i, j] if step == deformation.steps else start[i, j] + (end[i, j] - start[i, j]) * share
 
 
-@kernel
+@inner
 def total(parts):  # type: ignore[no-untyped-def]
     """Sum of the matrices of all threads."""
     whole = np.zeros(parts.shape[1:])
@@ -77,7 +77,7 @@ def total(parts):  # type: ignore[no-untyped-def]
     return whole
 
 
-@kernel
+@inner
 def places(images, cell):  # type: ignore[no-untyped-def]
     """Where images are in m: the product of two matrices."""
     shift = np.empty_like(images)
@@ -87,7 +87,7 @@ def places(images, cell):  # type: ignore[no-untyped-def]
     return shift
 
 
-@kernel
+@inner
 def largest_entry(a, b):  # type: ignore[no-untyped-def]
     """Of the difference of two matrices, without its sign."""
     most = 0.0
@@ -97,7 +97,7 @@ def largest_entry(a, b):  # type: ignore[no-untyped-def]
     return most
 
 
-@kernel
+@inner
 def product(a, b):  # type: ignore[no-untyped-def]
     """Of two matrices of shape (3, 3)."""
     c = np.zeros((3, 3))
@@ -107,7 +107,7 @@ def product(a, b):  # type: ignore[no-untyped-def]
     return c
 
 
-@kernel
+@inner
 def inverse(a):  # type: ignore[no-untyped-def]
     """Of a lower triangular matrix of shape (3, 3)."""
     b = np.zeros((3, 3))
@@ -119,7 +119,7 @@ def inverse(a):  # type: ignore[no-untyped-def]
     return b
 
 
-@kernel
+@inner
 def servo(deformation, cell, virial):  # type: ignore[no-untyped-def]
     """Move the edges under stress control in `cell` for one step, by how far the stress is from its target."""
     volume = cell[0, 0] * cell[1, 1] * cell[2, 2]
@@ -130,7 +130,7 @@ def servo(deformation, cell, virial):  # type: ignore[no-untyped-def]
             cell[axis, axis] *= 1.0 + rate * deformation.dt
 
 
-@kernel
+@inner
 def move(  # type: ignore[no-untyped-def]
     position, velocity, spin, radius, one_radius, mass, one_mass, force, torque, before, fade, after, dt, carried, stretch, back, begin, end
 ):
@@ -180,7 +180,7 @@ def move(  # type: ignore[no-untyped-def]
     return taken, given, fastest
 
 
-@kernel
+@inner
 def done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt):  # type: ignore[no-untyped-def]
     """Half the work in J that the boundary does on contacts in a step: with the forces of its start, or of its end."""
     if still:
@@ -204,7 +204,7 @@ def done(bodies, force, virial, reaction, cell, change, still, walls, carried, d
     return work
 
 
-@kernel
+@inner
 def place_walls(walls, old, cell, moving, carried, dt):  # type: ignore[no-untyped-def]
     """Move the walls to the faces of `cell`; one that no affine motion carries has a velocity of its own."""
     for w in range(len(walls)):
@@ -264,7 +264,7 @@ def _move_on_threads(  # type: ignore[no-untyped-def]
 move_on_threads = kernel(_move_on_threads, parallel=True)
 
 
-@kernel
+@inner
 def move_everything(threaded, bodies, force, torque, before, fade, after, dt, carried, stretch, back, sums):  # type: ignore[no-untyped-def]
     """`move` of all spheres, with the record taken apart: only arguments are compiled away. `threaded` None: on this thread."""
     if threaded is None:

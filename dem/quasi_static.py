@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import literal_unroll
 
-from contactlaws.compiled import kernel
+from contactlaws.compiled import inner, kernel
 from dem.forces import DRAGGED, WORK, Frame, Past, forces, forces_on_threads
 from dem.measure import energies, largest_overlap, network, stress_tensor
 from dem.motion import farthest, slack
@@ -90,7 +90,7 @@ class Search(NamedTuple):
     load: float  # N
 
 
-@kernel
+@inner
 def restore(memory, slip, roll, damping, memory_0, slip_0, roll_0, damping_0):  # type: ignore[no-untyped-def]
     """Give the contacts back what they remembered."""
     if memory is not None:
@@ -103,7 +103,7 @@ def restore(memory, slip, roll, damping, memory_0, slip_0, roll_0, damping_0):  
         damping[:] = damping_0
 
 
-@kernel
+@inner
 def place_rates(velocity, spin, position, search):  # type: ignore[no-untyped-def]
     """The velocities with which the whole step is made in its whole time."""
     for i in range(len(position)):
@@ -130,7 +130,7 @@ def evaluate(threaded, groups, pasts, search, bodies, frame, force, torque, viri
         forces_on_threads(groups, bodies, frame, search.duration, force, torque, virial, reaction, tally)
 
 
-@kernel
+@inner
 def push(place, velocity, force, inertia, dt, keep, share):  # type: ignore[no-untyped-def]
     """Accelerate by the force, keep a part of the velocity and turn it towards the force by a share, and move."""
     n = len(place)
@@ -153,7 +153,7 @@ def push(place, velocity, force, inertia, dt, keep, share):  # type: ignore[no-u
             place[i, a] += dt * velocity[i, a]
 
 
-@kernel
+@inner
 def power(velocity, force):  # type: ignore[no-untyped-def]
     """Of the forces, in W."""
     total = 0.0
@@ -164,7 +164,7 @@ def power(velocity, force):  # type: ignore[no-untyped-def]
     return total
 
 
-@kernel
+@inner
 def step_back(place, velocity, dt):  # type: ignore[no-untyped-def]
     """Half a step back, and stop."""
     for i in range(len(place)):

@@ -151,6 +151,9 @@ def _programme_problems(scene: Scene) -> Iterator[Problem]:
             elif scene.quasi_static is not None and any(_in_time(contact.normal) for contact in scene.contacts):
                 bound = "a law in time needs the time that passes between states of rest"
                 yield Problem(f"programme[{number}].duration", None, bound, "give it in s")
+            elif scene.density_scaling != 1.0 and any(_in_time(contact.normal) for contact in scene.contacts):
+                bound = "scaled masses would make it longer, and a law in time would answer to that"
+                yield Problem(f"programme[{number}].duration", None, bound, "give it in s")
         elif not (math.isfinite(stage.duration) and stage.duration > 0.0):
             remedy = "give it in s; a strain rate must not be 0"
             yield Problem(f"programme[{number}].duration", stage.duration, "must be positive", remedy)

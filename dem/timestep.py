@@ -13,12 +13,15 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from contactlaws import dispatch, pair
 from contactlaws.compiled import kernel
 from contactlaws.tangential import tangential_stiffness
 from dem.particles import Particles
 from dem.scene import Contact, Scene
+
+FloatArray = npt.NDArray[np.float64]
 
 #: equal spheres that can touch one
 KISSING_NUMBER = 12
@@ -92,18 +95,29 @@ def _steps(scene: Scene, overlap: float, fraction: float) -> Iterator[TimeStep]:
     of_kind = [np.ones(scene.particles.size, bool) if kind is None else kind == number for number in range(scene.kinds)]
     radii, masses = scene.particles.radii, scene.masses
     for one, mine in enumerate(of_kind):
-        smallest, lightest = float(radii[mine].min(initial=math.inf)), float(masses[mine].min(initial=math.inf))
         if not mine.any():
             continue
         for other, theirs in enumerate(of_kind):
             if theirs.any():
                 contact = scene.contact_between(one, other)
-                stiffness = pair_stiffness(contact, smallest, float(radii[theirs].max()), overlap)
-                yield _step(lightest, stiffness, overlap, fraction, KISSING_NUMBER, _damping(contact))
+                for mass, radius in _quickest(masses[mine], radii[mine], float(radii[theirs].max())):
+                    stiffness = pair_stiffness(contact, radius, float(radii[theirs].max()), overlap)
+                    yield _step(mass, stiffness, overlap, fraction, KISSING_NUMBER, _damping(contact))
         if any(scene.walls):
             contact = scene.contact_with_wall(one)
-            stiffness = pair_stiffness(contact, smallest, None, overlap)
-            yield _step(lightest, stiffness, overlap, fraction, KISSING_NUMBER, _damping(contact))
+            for mass, radius in _quickest(masses[mine], radii[mine], math.inf):
+                stiffness = pair_stiffness(contact, radius, None, overlap)
+                yield _step(mass, stiffness, overlap, fraction, KISSING_NUMBER, _damping(contact))
+
+
+def _quickest(masses: FloatArray, radii: FloatArray, widest: float) -> set[tuple[float, float]]:
+    """Mass and radius of the spheres whose contacts with one of the radius `widest` may ask for the smallest step.
+
+    At a given overlap the stiffness of a contact grows with a power of the pair's radius from 0 to 1, by the law: the ends and Hertz's 1/2.
+    """
+    pair_radii = radii / (1.0 + radii / widest)
+    found = {int(np.argmin(masses / pair_radii**power)) for power in (0.0, 0.5, 1.0)}
+    return {(float(masses[row]), float(radii[row])) for row in found}
 
 
 def _damping(contact: Contact) -> float:

@@ -206,6 +206,9 @@ class Scene(Spheres):
         ):
             if getattr(self, name) is not None and not needs:
                 raise PydanticCustomError("unit", "{bound}|{remedy}", {"name": name, "bound": what, "remedy": "give it too"})
+        if self.loading == "shear" and not self.affine:
+            context = {"name": "affine", "bound": "a box that shears carries the particles along", "remedy": "leave affine at true"}
+            raise PydanticCustomError("unit", "{bound}|{remedy}", context)
         return self
 
 

@@ -63,6 +63,7 @@ def test_roles_and_programme(tmp_path: Path) -> None:
         ('tolerance = 0.05\ncurves = ["elastic"]\n', "names nothing"),
         ('tolerance = 0.05\ncurves = ["plastic"]\nrestitution = 0\n', "restitution"),
         ('tolerance = 0.05\ncurves = ["plastic"]\nroutine = "fast"\n', "routine"),
+        ('tolerance = 0.05\ncurves = ["plastic"]\nloading = "shear"\naffine = false\n', "affine"),
     ],
 )
 def test_what_cannot_be_is_refused(tmp_path: Path, more: str, words: str) -> None:

@@ -31,8 +31,15 @@ def _cheapest(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     """The cheapest law whose error on the curves, as deep as they are asked for, is small enough."""
     found = [read_curve(folder / made[need].files["curve"]) for need in task.needs] + [read_curve(path) for path in task.given]
     within = [curve.up_to(task.values["reach"]) for curve in found]
-    choice = law_choice.fit_within(within, task.values["tolerance"], progress=report)
+    choice = law_choice.fit_within(within, task.values["tolerance"], progress=report, also=("unloading_force",))
     files, summary, failed = _written(task, folder, choice.fit, found)
+    reach = f"up to D = {task.values['reach']:g}, as deep as the scene can reach"
+    if not any(len(curve.unloadings) for curve in within):
+        bound = f"no curve unloads {reach}: the law was chosen by its loading alone, and may be elastic though the body is not"
+        summary["warnings"] = [*summary["warnings"], f"{bound}; give the curve an unload_from there"]
+    better = ", ".join(f"{trial.law} {trial.error:.2g}" for trial in choice.trials[:-1] if trial.error is not None) or "none"
+    told = f"{choice.fit.fitted.name} is the cheapest law within {task.values['tolerance']:g} of the curves, loading and unloading, "
+    summary["notes"] = [f"{told}{reach}: {choice.trials[-1].error:.2g}; cheaper ones miss by: {better}"]
     tried = [{"law": trial.law, "nanoseconds": trial.nanoseconds, "error": trial.error, "reason": trial.reason} for trial in choice.trials]
     return files, summary | {"tolerance": task.values["tolerance"], "up_to": task.values["reach"], "tried": tried}, failed
 
