@@ -90,7 +90,7 @@ def test_contact_across_a_corner(hertz: Hertz) -> None:
 @pytest.mark.compiled_only(reason="a hundred thousand pairs")
 def test_spheres_strewn_over_many_boxes_feel_what_they_feel_in_one(hertz: Hertz) -> None:
     """More images than two bytes can number: each sphere is moved by whole boxes."""
-    lattice = face_centred_cubic((12, 12, 12), RADIUS)
+    lattice = face_centred_cubic((15, 15, 15), RADIUS)
     rng = np.random.default_rng(3)
     shift = rng.integers(-40, 41, (len(lattice.position), 3)) * np.array(lattice.box.lengths)
     box = lattice.box.stretched((0.99,) * 3)
