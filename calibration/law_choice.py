@@ -188,7 +188,7 @@ def fit_within(
         found, reason = _tried(curves, law)
         error = None if found is None else getattr(found.residuals, quantity)
         if found is not None and error is not None:
-            error = max(error, *(getattr(found.residuals, name) or 0.0 for name in also))
+            error = max([error, *(getattr(found.residuals, name) or 0.0 for name in also)])
         if found is not None and error is None:
             reason = f"the law or the curves say nothing of the {quantity.replace('_', ' ')}"
         trials.append(Trial(law, nanoseconds, error, reason))

@@ -17,6 +17,7 @@ from contactlaws.sources import PACKAGES, ROOT
 
 #: messages, files and versions; and the batches themselves, which only carry results
 NO_NUMBERS = (
+    "contactlaws.csv_rows",
     "contactlaws.curve_csv",
     "contactlaws.curve_files",
     "contactlaws.errors",

@@ -65,7 +65,7 @@ radius = "5 um"
 density = "4750 kg/m^3"
 count = 30
 packing_fraction = 0.62
-strain = 0.03
+strain = 0.05
 strain_rate = "1e5 1/s"
 """
 
