@@ -54,7 +54,7 @@ yield_stress = "7.9 GPa"
 [curves.pressed]
 material = "nmc"
 radius = "5 um"
-unload_from = [0.02]
+unload_from = [0.05]
 fields = true
 [fits.law]
 law = "thornton"
@@ -65,7 +65,7 @@ radius = "5 um"
 density = "4750 kg/m^3"
 count = 30
 packing_fraction = 0.62
-strain = 0.05
+strain = 0.12
 strain_rate = "1e5 1/s"
 """
 
