@@ -9,7 +9,8 @@ Unloading (Eqs. 43-49, with d - d_p where Eq. 42 prints d): with F_t = F_Y + pi 
 d_max - d_p = d_max F_t/F_Hertz and F = F_max s^1.5. The Hertzian body that unloads so has beta = F_max/F_t times the contact radius of the
 loading: the contact radius jumps when unloading starts, as the authors say, and `contact_radius` shows it.
 
-Eq. 54 gives l = 2.751, e = 2.905 for equal spheres of the authors' one material (NMC, E/Y = 18); they depend strongly on E/Y.
+Eq. 54 gives l = 2.751, e = 2.905 for equal spheres of the authors' one material (NMC, E/Y = 18); they depend strongly on E/Y. An elliptical
+contact follows the same formulas with another radius and modulus: `contactlaws.rivals.becker_kamlah_ellipsoid`.
 """
 
 from __future__ import annotations
@@ -24,11 +25,22 @@ from contactlaws.rivals.unloading import MARGIN, POINTS, SAMPLES, WEIGHTS, hertz
 
 #: largest pressure over yield stress at first yield
 FIRST = 1.6
-#: Eq. 54 at R_e/r = 1/4, equal spheres; n is not stated in the paper: 1.8 gives all seven restitutions that follow from its law
+#: Eq. 53: m, o, p of lambda_max and s, t, u of epsilon_max
+PRESSURE_CONSTANTS, RADIUS_CONSTANTS = (1.05, -4.62, 2.42), (8.19, -6.14, 1.14)
+#: n; section 4, below Eq. 51
+EXPONENT = 1.8
+
+
+def levelling(relative_radius: float, scale: float, rate: float, limit: float) -> float:
+    """Eq. 52: what lambda_max and epsilon_max are at R_e/(r_I + r_J)."""
+    return scale * math.exp(rate * relative_radius) + limit
+
+
+#: Eq. 54 for equal spheres, R_e/r = 1/4
 PUBLISHED = {
-    "pressure_ratio": 1.05 * math.exp(-4.62 * 0.25) + 2.42,
-    "radius_ratio": 8.19 * math.exp(-6.14 * 0.25) + 1.14,
-    "exponent": 1.8,
+    "pressure_ratio": levelling(0.25, *PRESSURE_CONSTANTS),
+    "radius_ratio": levelling(0.25, *RADIUS_CONSTANTS),
+    "exponent": EXPONENT,
 }
 #: overlap over radius to which the authors' curves went
 LAST = 0.15
