@@ -146,8 +146,8 @@ def becker_kamlah_semi_axes(law, axes, overlap, state):  # type: ignore[no-untyp
 
 
 # One body on a rigid flat whose shape is only known where it touches: shape = (R in m, B/A, (abc)^(1/3) in m); f1 and f2 within 3e-6. Of a
-# pair taken as one body at a share of its overlap, with R_e and r_1 r_2/(r_1 + r_2) over that share, lambda_max and epsilon_max are those at
-# R_e (r_1 + r_2)/(4 r_1 r_2): Eq. 54 where the two mean radii are equal, as in all of the paper; spheres have 1/4 whatever their radii.
+# pair taken as one body at a share of its overlap, with R_e and r_1 r_2/(r_1 + r_2) over that share, lambda_max and epsilon_max are those
+# at R_e (r_1 + r_2)/(4 r_1 r_2): Eq. 54 where the two mean radii are equal, as in all of the paper; spheres have 1/4 whatever their radii.
 
 
 @inlined
