@@ -40,8 +40,8 @@ CAPTION_12 = (
     "and the sphere by an independent code, one R_e/r, two λ_max."
 )
 CAPTION_MATERIALS = (
-    "The same for other E/Y, ν = 0.3 (left, middle) and for other ν (right, E/Y = 60), by the fit of the force; dashed: Eq. 54, which knows "
-    "neither. For E/Y above 60 the force does not tell where λ_max is reached: the loading to 15 % lies far beyond."
+    "The same for other E/Y, ν = 0.3 (left, middle) and for other ν (right, E/Y = 60), by the fit of the force; dashed: Eq. 54, which "
+    "knows neither. For E/Y above 60 the force does not tell where λ_max is reached: the loading to 15 % lies far beyond."
 )
 CAPTION_FALLING = (
     "λ at 15 % of the mean radius over the largest λ on the way (1 is a plateau), ν = 0.3. The larger E/Y, the earlier the largest λ, and "
