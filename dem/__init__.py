@@ -2,7 +2,7 @@
 
 from dem import impact, output, packing
 from dem.box import Box
-from dem.particles import Particles, spheres
+from dem.particles import Particles, ellipsoids, spheres
 from dem.scene import (
     Contact,
     QuasiStatic,
@@ -27,6 +27,7 @@ __all__ = [
     "Stage",
     "Trajectory",
     "confined",
+    "ellipsoids",
     "hold",
     "impact",
     "isotropic_compression",

@@ -24,9 +24,10 @@ FloatArray = npt.NDArray[np.float64]
 IndexArray = npt.NDArray[np.uint32]
 
 #: rows of the tally, which the kernels keep: J dissipated by contacts that have ended; J that tangential forces and rolling moments took
-#: up; J that dampers took; largest overlap of one body over its radius, at any time; J taken by the drag; J given by the moving boundary
-LOST, SHEARED, DAMPED, LARGEST, DRAGGED, WORK = range(6)
-TALLIES = 6
+#: up; J that dampers took; largest overlap of one body over its radius, at any time; J taken by the drag; J given by the moving boundary;
+#: J that the normal forces of ellipsoids took up
+LOST, SHEARED, DAMPED, LARGEST, DRAGGED, WORK, PRESSED = range(7)
+TALLIES = 7
 #: pairs taken at a time: the buffers stay in the first cache
 BLOCK = 64
 #: below any distance; keeps two centres in one place from a division by zero

@@ -8,7 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws.compiled import kernel
-from dem.forces import DAMPED, DRAGGED, LOST, SHEARED, WORK, contact_energies
+from dem.ellipsoid_forces import AXIS, BEFORE, ellipsoid_energies
+from dem.forces import DAMPED, DRAGGED, LOST, PRESSED, SHEARED, WORK, contact_energies
+from dem.rotation import rotational_energy
 from dem.working import Group, Working, forces_between
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,10 +30,13 @@ class Network(NamedTuple):
     depth: FloatArray  # overlap of one body over its radius, shape (m,)
     force: FloatArray  # N, on the second, shape (m, 3)
     group: IntArray  # of `Working.groups`
+    common: FloatArray | None = None  # unit normals of both surfaces in the contact, shape (m, 3); None: of spheres, along the branch
 
     @property
     def normal(self) -> FloatArray:
         """Unit vectors from the first to the second, shape (m, 3)."""
+        if self.common is not None:
+            return self.common
         return self.branch / np.maximum(np.linalg.norm(self.branch, axis=1, keepdims=True), np.finfo(float).tiny)
 
     @property
@@ -54,6 +59,8 @@ class Network(NamedTuple):
 def pair_geometry(work: Working, group: Group) -> tuple[FloatArray, FloatArray]:
     """Branch vectors and overlaps in m of all listed pairs of a group."""
     first, partner, position, radii = group.rows.first, group.rows.partner, work.bodies.position, work.radii
+    if work.shapes is not None:
+        return _branches(work, group), group.memory[:, BEFORE]  # type: ignore[index]
     if group.rows.image is None:
         axis, place = work.walls[partner, 0].astype(int), work.walls[partner, 2]
         branch = np.zeros((len(first), 3))
@@ -61,6 +68,17 @@ def pair_geometry(work: Working, group: Group) -> tuple[FloatArray, FloatArray]:
         return branch, radii[first] - np.abs(branch).max(axis=1, initial=0.0)
     branch = position[partner] + (work.listed.images @ work.cell)[group.rows.image] - position[first]
     return branch, radii[first] + radii[partner] - np.linalg.norm(branch, axis=1)
+
+
+def _branches(work: Working, group: Group) -> FloatArray:
+    """Branch vectors in m of all listed pairs of ellipsoids; on a wall, to the plane straight across from the centre."""
+    first, partner, position = group.rows.first, group.rows.partner, work.bodies.position
+    if group.rows.image is not None:
+        return position[partner] + (work.listed.images @ work.cell)[group.rows.image] - position[first]
+    axis, place = work.walls[partner, 0].astype(int), work.walls[partner, 2]
+    branch = np.zeros((len(first), 3))
+    branch[np.arange(len(first)), axis] = place - position[first, axis]
+    return branch
 
 
 def force_distribution(found: Network, edges: FloatArray) -> FloatArray:
@@ -74,7 +92,7 @@ def force_distribution(found: Network, edges: FloatArray) -> FloatArray:
 
 def network(work: Working) -> Network:
     """The contacts of a state, which stays as it is."""
-    parts = []
+    parts, normals = [], []
     for number, (group, force) in enumerate(zip(work.groups, forces_between(work), strict=True)):
         branch, overlap = pair_geometry(work, group)
         rows = np.flatnonzero((overlap > 0.0) & force.any(axis=1))
@@ -84,8 +102,11 @@ def network(work: Working) -> Network:
         else:
             radius, second = radii[first] * radii[partner] / (radii[first] + radii[partner]) / group.roles.share, partner
         depth = overlap[rows] * group.roles.share / radius
+        if work.shapes is not None and group.memory is not None:
+            normals.append(group.memory[rows, AXIS : AXIS + 3])
         parts.append((first, second, branch[rows], overlap[rows], depth, force[rows], np.full(len(rows), number)))
-    return Network(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    found = Network(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    return found._replace(common=np.concatenate(normals)) if normals else found
 
 
 def largest_overlap(work: Working) -> float:
@@ -120,6 +141,10 @@ def energies(work: Working) -> tuple[float, ...]:
     radii = work.radii
     for group in work.groups:
         _, overlap = pair_geometry(work, group)
+        if work.shapes is not None:
+            one, three = ellipsoid_energies(*_of_ellipsoids(work, group))
+            stored, dissipated, sheared = stored + one, dissipated - one, sheared + three
+            continue
         first, walls = radii[group.rows.first], group.rows.image is None
         second = first if walls else radii[group.rows.partner]
         roles, past = group.roles, group.past
@@ -128,7 +153,23 @@ def energies(work: Working) -> tuple[float, ...]:
         stored, dissipated, sheared = stored + one, dissipated + two, sheared + three
     tally = work.tally.sum(axis=0)
     rubbed = tally[SHEARED] - sheared
-    return kinetic_energy(work), stored, sheared, dissipated + tally[LOST], rubbed, tally[DAMPED], tally[DRAGGED], tally[WORK]
+    return (
+        kinetic_energy(work),
+        stored,
+        sheared,
+        dissipated + tally[LOST] + tally[PRESSED],
+        rubbed,
+        tally[DAMPED],
+        tally[DRAGGED],
+        tally[WORK],
+    )
+
+
+def _of_ellipsoids(work: Working, group: Group) -> tuple:
+    """What `ellipsoid_energies` takes."""
+    roles, rows, past, radii = group.roles, group.rows, group.past, work.radii
+    first, walls = radii[rows.first], rows.image is None
+    return roles.normal, roles.tangential, roles.share, past.memory, past.slip, first, first if walls else radii[rows.partner], walls
 
 
 def stress_tensor(work: Working, with_motion: bool = True) -> FloatArray:
@@ -141,7 +182,9 @@ def stress_tensor(work: Working, with_motion: bool = True) -> FloatArray:
 def kinetic_energy(work: Working) -> float:
     """In J, relative to the box, spins included."""
     energy = 0.5 * np.sum(work.masses[:, None] * work.bodies.velocity**2)
-    if work.bodies.spin is not None:
+    if work.shapes is not None:
+        energy += rotational_energy(work.shapes)
+    elif work.bodies.spin is not None:
         energy += 0.2 * np.sum((work.masses * work.radii**2)[:, None] * work.bodies.spin**2)
     return float(energy)
 

@@ -18,12 +18,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from contactlaws.compiled import inner, kernel
-from dem.forces import DRAGGED, WORK, Frame, forces, forces_on_threads
+from dem.forces import DRAGGED, WORK, Frame
+from dem.step import all_forces, move_all
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -131,56 +131,6 @@ def servo(deformation, cell, virial):  # type: ignore[no-untyped-def]
 
 
 @inner
-def move(  # type: ignore[no-untyped-def]
-    position, velocity, spin, radius, one_radius, mass, one_mass, force, torque, before, fade, after, dt, carried, stretch, back, begin, end
-):
-    """Kick the spheres `begin` to `end` for `before` (s), let their speed fade by a factor, kick for `after`, drift for `dt`.
-
-    `force` holds one sum per thread; `stretch` is F and `back` its inverse, for a box that carries them along. Returns the kinetic
-    energy in J that the drag took and that the box gave, and the largest speed squared after the kicks.
-    """
-    taken, given, fastest = 0.0, 0.0, 0.0
-    m = one_mass
-    for i in range(begin, end):
-        if mass is not None:
-            m = mass[i]
-        fx, fy, fz = force[0, i, 0], force[0, i, 1], force[0, i, 2]
-        for t in range(1, len(force)):
-            fx, fy, fz = fx + force[t, i, 0], fy + force[t, i, 1], fz + force[t, i, 2]
-        x, y, z = before / m * fx, before / m * fy, before / m * fz
-        vx, vy, vz = velocity[i, 0] + x, velocity[i, 1] + y, velocity[i, 2] + z
-        taken += 0.5 * m * (vx * vx + vy * vy + vz * vz) * (1.0 - fade * fade)
-        vx, vy, vz = vx * fade + after / m * fx, vy * fade + after / m * fy, vz * fade + after / m * fz
-        square = vx * vx + vy * vy + vz * vz
-        fastest = max(fastest, square)
-        if spin is not None:
-            r = one_radius if radius is None else radius[i]
-            inertia = 0.4 * m * r * r
-            for a in range(3):
-                t3 = torque[0, i, a]
-                for t in range(1, len(torque)):
-                    t3 += torque[t, i, a]
-                w = spin[i, a] + before / inertia * t3
-                taken += 0.5 * inertia * w * w * (1.0 - fade * fade)
-                spin[i, a] = w * fade + after / inertia * t3
-        if dt > 0.0:
-            px, py, pz = position[i, 0], position[i, 1], position[i, 2]
-            if not carried:
-                px, py, pz = px + dt * vx, py + dt * vy, pz + dt * vz
-            else:
-                qx = px * stretch[0, 0] + py * stretch[1, 0] + pz * stretch[2, 0] + dt * vx
-                qy = py * stretch[1, 1] + pz * stretch[2, 1] + dt * vy
-                px, py, pz = qx, qy, pz * stretch[2, 2] + dt * vz
-                ux = vx * back[0, 0] + vy * back[1, 0] + vz * back[2, 0]
-                uy = vy * back[1, 1] + vz * back[2, 1]
-                vx, vy, vz = ux, uy, vz * back[2, 2]
-                given += 0.5 * m * (vx * vx + vy * vy + vz * vz - square)
-            position[i, 0], position[i, 1], position[i, 2] = px, py, pz
-        velocity[i, 0], velocity[i, 1], velocity[i, 2] = vx, vy, vz
-    return taken, given, fastest
-
-
-@inner
 def done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt):  # type: ignore[no-untyped-def]
     """Half the work in J that the boundary does on contacts in a step: with the forces of its start, or of its end."""
     if still:
@@ -248,47 +198,17 @@ def slack(listed, cell, affine):  # type: ignore[no-untyped-def]
     return listed.skin - math.sqrt(square) * (listed.reach + listed.skin)
 
 
-def _move_on_threads(  # type: ignore[no-untyped-def]
-    position, velocity, spin, radius, one_radius, mass, one_mass, force, torque, before, fade, after, dt, carried, stretch, back, sums
-):
-    """`move` of all spheres, a share on each thread; what it returns goes into the rows of `sums`."""
-    parts, count = len(sums), len(position)
-    for part in numba.prange(parts):
-        taken, given, fastest = move(
-            position, velocity, spin, radius, one_radius, mass, one_mass, force, torque, before, fade, after, dt, carried, stretch, back,
-            count * part // parts, count * (part + 1) // parts,
-        )  # fmt: skip
-        sums[part, 0], sums[part, 1], sums[part, 2] = taken, given, fastest
-
-
-move_on_threads = kernel(_move_on_threads, parallel=True)
-
-
-@inner
-def move_everything(threaded, bodies, force, torque, before, fade, after, dt, carried, stretch, back, sums):  # type: ignore[no-untyped-def]
-    """`move` of all spheres, with the record taken apart: only arguments are compiled away. `threaded` None: on this thread."""
-    if threaded is None:
-        sums[0, 0], sums[0, 1], sums[0, 2] = move(
-            bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
-            force, torque, before, fade, after, dt, carried, stretch, back, 0, len(bodies.position),
-        )  # fmt: skip
-    else:
-        move_on_threads(
-            bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
-            force, torque, before, fade, after, dt, carried, stretch, back, sums,
-        )  # fmt: skip
-
-
 @kernel
 def advance(  # type: ignore[no-untyped-def]
-    threaded, groups, deformation, step, steps, drifted, bodies, cell, old, listed, walls, moving, force, torque, virial, reaction, tally
-):
+    threaded, shapes, groups, deformation, step, steps, drifted,
+    bodies, cell, old, listed, walls, moving, force, torque, virial, reaction, tally,
+):  # fmt: skip
     """Take `steps` steps from number `step` of a stage, or fewer if the pair list no longer holds.
 
-    `groups` is `(roles, rows, past)` of each kind of pair, `walls` as in `forces.Frame`; `moving` the share of a walled edge's change that
-    its lower wall makes. The sums have one row per thread. `cell` (the edge vectors, one step earlier `old`) and `walls` change with the
-    state. Returns the step reached, and whether it stands in the middle, with positions moved and the forces still to come; then the caller
-    makes a new list and calls again with `drifted`.
+    `shapes` None: all are spheres. `groups` is `(roles, rows, past)` of each kind of pair, `walls` as in `forces.Frame`; `moving` the share
+    of a walled edge's change that its lower wall makes. The sums have one row per thread. `cell` (the edge vectors, one step earlier `old`)
+    and `walls` change with the state. Returns the step reached, and whether it stands in the middle, with positions moved and the forces
+    still to come; then the caller makes a new list and calls again with `drifted`.
     """
     dt, fade, parts = deformation.dt, math.exp(-deformation.drag * deformation.dt), len(force)
     begun = drifted
@@ -314,7 +234,7 @@ def advance(  # type: ignore[no-untyped-def]
             back = inverse(stretch)
             half, faded = (0.5 * dt, fade) if begun else (0.0, math.sqrt(fade))
             begun = True
-            move_everything(threaded, bodies, force, torque, half, faded, 0.5 * dt, dt, carried, stretch, back, sums)
+            move_all(threaded, bodies, shapes, force, torque, half, faded, 0.5 * dt, dt, carried, stretch, back, sums)
             place_walls(walls, old, cell, moving, carried, dt)
             fastest = 0.0
             for part in range(parts):
@@ -340,12 +260,9 @@ def advance(  # type: ignore[no-untyped-def]
                 for a in range(3):
                     speed[k, a] /= dt
         frame = Frame(places(listed.images, cell), speed, gradient, walls)
-        if threaded is None:
-            forces(groups, bodies, frame, dt, force, torque, virial, reaction, tally)
-        else:
-            forces_on_threads(groups, bodies, frame, dt, force, torque, virial, reaction, tally)
+        all_forces(threaded, groups, bodies, shapes, frame, dt, force, torque, virial, reaction, tally)
         tally[0, WORK] += done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt)
-    move_everything(threaded, bodies, force, torque, 0.5 * dt, math.sqrt(fade), 0.0, 0.0, dt < 0.0, cell, cell, sums)
+    move_all(threaded, bodies, shapes, force, torque, 0.5 * dt, math.sqrt(fade), 0.0, 0.0, dt < 0.0, cell, cell, sums)
     for part in range(parts):
         tally[0, DRAGGED] += sums[part, 0]
     return step + steps, False

@@ -13,10 +13,12 @@ from dem.record import Frame
 from dem.trajectory import Trajectory
 
 DUMP_COLUMNS = "id type x y z vx vy vz radius contacts pressure"
+#: of ellipsoids, as LAMMPS names them: diameters and the quaternion
+SHAPE_COLUMNS = "shapex shapey shapez quatw quati quatj quatk"
 
 
 def dump_text(frame: Frame, step: int) -> str:
-    """One frame as LAMMPS dump text, SI units, positions wrapped into the box."""
+    """One frame as LAMMPS dump text, SI units, positions wrapped into the box; of ellipsoids with diameters and quaternions."""
     tilts = frame.box.tilt if any(frame.box.tilt) else None
     bounds = _bounds(frame.box)
     faces = " ".join("pp" if periodic else "ff" for periodic in frame.box.periodic)
@@ -33,7 +35,12 @@ def dump_text(frame: Frame, step: int) -> str:
             strict=True,
         )
     ]
-    return f"{head}ITEM: BOX BOUNDS {'xy xz yz ' if tilts else ''}{faces}\n{bounds}ITEM: ATOMS {DUMP_COLUMNS}\n{''.join(lines)}"
+    columns = DUMP_COLUMNS
+    if frame.axes is not None and frame.orientation is not None:
+        columns = f"{DUMP_COLUMNS} {SHAPE_COLUMNS}"
+        shapes = np.concatenate([2.0 * frame.axes, frame.orientation], axis=1).tolist()
+        lines = [f"{line[:-1]} {' '.join(map(repr, row))}\n" for line, row in zip(lines, shapes, strict=True)]
+    return f"{head}ITEM: BOX BOUNDS {'xy xz yz ' if tilts else ''}{faces}\n{bounds}ITEM: ATOMS {columns}\n{''.join(lines)}"
 
 
 def write_network(trajectory: Trajectory, path: str | Path) -> Path:
@@ -73,6 +80,8 @@ def write_vtu(trajectory: Trajectory, folder: str | Path) -> tuple[Path, ...]:
     for number, frame in enumerate(trajectory.frames):
         points = wrapped(frame.position, frame.box)
         data = {name: getattr(frame, name) for name in ("id", "velocity", "contacts", "pressure")} | {"diameter": 2.0 * frame.radius}
+        if frame.axes is not None and frame.orientation is not None:
+            data |= {"half_axes": frame.axes, "quaternion": frame.orientation}
         cells = [("vertex", np.arange(len(points)).reshape(-1, 1))]
         write = partial(meshio.write, mesh=meshio.Mesh(points, cells, point_data=data), file_format="vtu")
         paths.append(write_atomically(folder / f"frame_{number:04d}.vtu", write))

@@ -1,4 +1,4 @@
-"""The spheres: where they are, how fast, how big, how heavy."""
+"""The particles: where they are, how fast, how big, how heavy; ellipsoids also which way they lie."""
 
 from __future__ import annotations
 
@@ -13,9 +13,15 @@ from contactlaws.errors import Problem, require
 
 FloatArray = npt.NDArray[np.float64]
 
+#: largest ratio of half axes: its square, the ratio of curvatures, is as far as `contactlaws.contact_ellipse.fast_factors` goes
+MOST_SLENDER = 10.0 * (1.0 + 1e-12)
+
 
 class Particles(NamedTuple):
-    """The spheres at the start. Arrays in one order; `id` names a sphere for good."""
+    """The spheres at the start, or the ellipsoids. Arrays in one order; `id` names a particle for good.
+
+    Of an ellipsoid `radius` is the mean one, (a b c)^(1/3): that of the sphere of its volume.
+    """
 
     position: FloatArray  # m, shape (n, 3); any periodic image
     velocity: FloatArray  # m/s, shape (n, 3); relative to the deforming box
@@ -24,6 +30,8 @@ class Particles(NamedTuple):
     id: npt.NDArray[np.int64]  # shape (n,), all different
     kind: npt.NDArray[np.int64] | None = None  # which material, from 0 on, shape (n,); None: all are 0
     spin: FloatArray | None = None  # 1/s, shape (n, 3); None: none turns
+    axes: FloatArray | None = None  # m, half axes, shape (n, 3); None: all are spheres
+    orientation: FloatArray | None = None  # unit quaternions (w, x, y, z) from the body to the laboratory, shape (n, 4); with axes
 
     @property
     def size(self) -> int:
@@ -60,9 +68,62 @@ def spheres(position: npt.ArrayLike, radius: float | npt.ArrayLike, density: flo
     return particles
 
 
+def ellipsoids(
+    position: npt.ArrayLike,
+    axes: npt.ArrayLike,
+    density: float,
+    orientation: npt.ArrayLike | None = None,
+    velocity: npt.ArrayLike | None = None,
+    spin: npt.ArrayLike | None = None,
+) -> Particles:
+    """Solid ellipsoids of one density (kg/m3), numbered from 1; raises `InputError` on impossible values.
+
+    axes: half axes in m, one triple for all or shape (n, 3). orientation: quaternions (w, x, y, z) of any length but 0, shape (n, 4); None:
+    all lie along the axes of the laboratory. velocity in m/s and spin in 1/s, shape (n, 3); None: at rest.
+
+    >>> ellipsoids([[0.0, 0.0, 0.0]], (5e-6, 4e-6, 3.3e-6), 4750.0).radius.round(8)
+    array([4.04e-06])
+    """
+    x = np.array(position, dtype=float).reshape(-1, 3)
+    half = np.array(np.broadcast_to(np.array(axes, dtype=float), (len(x), 3)))
+    turned = np.array(np.broadcast_to((1.0, 0.0, 0.0, 0.0), (len(x), 4))) if orientation is None else np.array(orientation, dtype=float)
+    v, w = (np.zeros_like(x) if rows is None else np.array(rows, dtype=float).reshape(-1, 3) for rows in (velocity, spin))
+    wrong = []
+    if not (math.isfinite(density) and density > 0.0):
+        wrong.append(Problem("density", density, "must be a positive finite number", "give it in kg/m3"))
+    if turned.shape == (len(x), 4):
+        length = np.linalg.norm(turned, axis=1, keepdims=True)
+        if not (np.isfinite(length) & (length > 0.0)).all():
+            wrong.append(Problem("orientation", "without length", "must be quaternions other than 0", "(1, 0, 0, 0) is no turn"))
+        else:
+            turned = turned / length
+    require(wrong)
+    mass = density * 4.0 / 3.0 * math.pi * half.prod(axis=1)
+    particles = Particles(x, v, np.cbrt(half.prod(axis=1)), mass, np.arange(1, len(x) + 1), None, w, half, turned)
+    require(problems_with(particles))
+    return particles
+
+
+def problems_with_shapes(particles: Particles) -> Iterator[Problem]:
+    """Yield one `Problem` for each thing about half axes and orientations that no simulation can use."""
+    axes, turned, count = particles.axes, particles.orientation, particles.size
+    if axes is None or turned is None:
+        if axes is not turned:
+            yield Problem("axes, orientation", "one alone", "belong together", "use dem.ellipsoids")
+        return
+    if axes.shape != (count, 3) or not (np.isfinite(axes) & (axes > 0.0)).all():
+        yield Problem("axes", axes.shape, f"must be positive, finite, and have the shape ({count}, 3)", "give half axes in m")
+    elif count and (slimmest := float((axes.max(axis=1) / axes.min(axis=1)).max())) > MOST_SLENDER:
+        bound = f"is the largest ratio of half axes; contacts are known up to {MOST_SLENDER:g}"
+        yield Problem("axes", slimmest, bound, "make the particles less slender")
+    if turned.shape != (count, 4) or not (abs(np.linalg.norm(turned, axis=1) - 1.0) < 1e-6).all():
+        yield Problem("orientation", turned.shape, f"must be unit quaternions of the shape ({count}, 4)", "use dem.ellipsoids")
+
+
 def problems_with(particles: Particles) -> Iterator[Problem]:
     """Yield one `Problem` for each array whose shape or values no simulation can use."""
     count = particles.size
+    yield from problems_with_shapes(particles)
     for name, shape in (("position", (count, 3)), ("velocity", (count, 3)), ("mass", (count,)), ("id", (count,))):
         value = getattr(particles, name)
         if value.shape != shape:

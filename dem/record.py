@@ -40,6 +40,8 @@ class Frame(NamedTuple):
     contacts: npt.NDArray[np.int64]  # of each sphere, that carry force
     pressure: FloatArray  # Pa; a third of the trace of each sphere's own stress, compression positive
     network: Network  # contacts that carry force; spheres by their row here
+    axes: FloatArray | None = None  # m, half axes of ellipsoids, shape (n, 3)
+    orientation: FloatArray | None = None  # unit quaternions (w, x, y, z), shape (n, 4)
 
 
 class Beyond(NamedTuple):

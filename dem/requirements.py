@@ -8,11 +8,12 @@ from collections.abc import Iterator
 import numba
 import numpy as np
 
-from contactlaws import dispatch, pair
+from contactlaws import shaped
 from contactlaws.errors import InputError, Problem
 from contactlaws.tangential import Damper, Mindlin, Rolling
 from dem import box as boxes
 from dem import particles as bodies
+from dem.laws import first_force, in_time, known_law
 from dem.scene import UNCHANGED, Contact, QuasiStatic, Scene, beginnings
 from dem.working import Working
 
@@ -62,6 +63,8 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
     for one, other, _ in scene.between:
         if not (0 <= one < scene.kinds and 0 <= other < scene.kinds):
             yield Problem("between", (one, other), f"there are kinds 0 to {scene.kinds - 1}", "give the particles their `kind`")
+    if scene.quasi_static is not None and scene.particles.axes is not None:
+        yield Problem("quasi_static", "set", "knows spheres only", "leave it out, and take a small inertial_number")
     if scene.quasi_static is not None:
         yield from _search_problems(scene.quasi_static)
 
@@ -93,19 +96,33 @@ def _contact_problems(scene: Scene) -> Iterator[Problem]:
     for number, contact in enumerate(scene.contacts):
         name = "contact" if number == 0 else f"contact {number}"
         yield from (problem._replace(name=f"{name}.{problem.name}") for problem in _problems_of(contact))
+        yield from (problem._replace(name=f"{name}.{problem.name}") for problem in _problems_of_shapes(scene, contact))
+
+
+def _problems_of_shapes(scene: Scene, contact: Contact) -> Iterator[Problem]:
+    """Laws of spheres for ellipsoids and the other way round, and roles that ellipsoids have not."""
+    shaped_law, name = shaped.is_shaped(contact.normal), type(contact.normal).__name__
+    if scene.particles.axes is None:
+        if shaped_law:
+            yield Problem("normal", name, "is a law of ellipsoids", "give a law of spheres, or particles by dem.ellipsoids")
+        return
+    if not shaped_law:
+        yield Problem("normal", name, "is a law of spheres", "give one of ellipsoids, as contactlaws.hertz_ellipse.HertzEllipse")
+    if contact.rolling is not None:
+        yield Problem("rolling", contact.rolling, "is not known for ellipsoids", "leave the role out: their shape resists rolling")
 
 
 def _problems_of(contact: Contact) -> Iterator[Problem]:
     law = contact.normal
     try:
-        known = dispatch.law_of(law)
+        known = known_law(law)
     except InputError as error:
         yield from error.problems
         return
     for name, value in law._asdict().items():  # type: ignore[attr-defined]
         if isinstance(value, float | int) and not (isinstance(value, float) and math.isfinite(value)):
             yield Problem(f"normal.{name}", value, "must be a finite float", "an int or NaN in a law's record is a mistake")
-    if not law.radius > 0.0:  # type: ignore[attr-defined]
+    if not (shaped.is_shaped(law) or law.radius > 0.0):  # type: ignore[attr-defined]
         yield Problem("normal.radius", law.radius, "must be positive", "give the radius in m that the law was made for")  # type: ignore[attr-defined]
     yield from known.problems(law)
     if not 0.0 < contact.share <= 1.0:
@@ -161,7 +178,7 @@ def _programme_problems(scene: Scene) -> Iterator[Problem]:
 
 def _in_time(law: object) -> bool:
     try:
-        return dispatch.law_of(law).in_time
+        return in_time(law)
     except InputError:  # said elsewhere
         return False
 
@@ -180,9 +197,7 @@ def typical_force(scene: Scene, strain: float | None = None) -> float:
         return 0.0
     law, radius = scene.contact.normal, float(np.mean(scene.particles.radii))
     strain = (largest_strain(scene) or SERVO_STRAIN) if strain is None else strain
-    state = dispatch.initial_state(law)
-    force, _ = pair.pair_force(law, pair.pair_scale(law, radius, radius), 2.0 * radius * strain, 0.0, 0.0, state)
-    return float(force)
+    return first_force(law, radius, radius, 2.0 * radius * strain)
 
 
 def reference_pressure(scene: Scene, strain: float) -> float:
@@ -255,7 +270,7 @@ def left_out(scene: Scene, work: Working) -> tuple[str, ...]:
     if work.bodies.mass is None:
         lines.append(f"one mass: no mass per particle ({_saved(8, 'mass')})")
     for kind, group in zip(work.kinds, work.groups, strict=True):
-        law = dispatch.law_of(kind.contact.normal)
+        law = known_law(kind.contact.normal)
         if not law.memory:
             lines.append(f"{law.name} has no memory: no history per contact ({_saved(8 * pairs, 'memory')} for each number of it)")
         if group.roles.rates is None:

@@ -12,13 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from contactlaws import dispatch
 from contactlaws.errors import require
 from contactlaws.sources import source_hash
 from contactlaws.version import code_version
 from dem import checkpoint as disk
 from dem import requirements
+from dem.ellipsoid_timestep import MOST_TURN
 from dem.forces import LARGEST
+from dem.laws import known_law
 from dem.measure import Network, largest_overlap, stress_tensor
 from dem.motion import Deformation
 from dem.quasi_static import step_to, step_to_stress
@@ -213,12 +214,17 @@ def _time_step(scene: Scene, work: Working, durations: tuple[float, ...]) -> Tim
     if bodies.size == 0:
         return TimeStep(min(durations) / scene.outputs, math.inf, 0.0, 0.0, 0, math.inf)
     widest, speed = float(bodies.radii.max()), 2.0 * float(np.sqrt((bodies.velocity**2).sum(axis=1)).max())
+    fastest = 0.0
+    if bodies.axes is not None and bodies.spin is not None:  # surfaces that turn towards each other
+        fastest = float(np.sqrt((bodies.spin**2).sum(axis=1)).max())
+        speed += 2.0 * fastest * float(bodies.axes.max())
     squeezed = 2.0 * widest * min(requirements.largest_strain(scene), 1.0)
     if any(stage.follows_stress for stage in scene.programme):
         squeezed += 2.0 * widest * requirements.SERVO_STRAIN
     overlap = largest_overlap(work) + NON_AFFINE * squeezed
     overlap += max(collision_overlap(contact.normal, bodies._replace(mass=scene.masses), speed) for contact in scene.contacts)
-    return scene_time_step(scene, overlap, scene.time_step_fraction)
+    step = scene_time_step(scene, overlap, scene.time_step_fraction)
+    return step._replace(dt=min(step.dt, MOST_TURN / fastest)) if fastest > 0.0 else step
 
 
 def _write_down(scene: Scene, work: Working, plan: Plan, log: Log, dt: float, number: int) -> None:
@@ -238,7 +244,10 @@ def _write_down(scene: Scene, work: Working, plan: Plan, log: Log, dt: float, nu
         second = np.where(found.second >= 0, work.order[np.maximum(found.second, 0)], found.second).astype(np.int64)
         named = found._replace(first=work.order[found.first].astype(np.int64), second=second)
         bodies = scene.particles
-        log.frames.append(Frame(number, time, work.box, bodies.id, bodies.radii, position, velocity, contacts, pressure, named))
+        frame = Frame(number, time, work.box, bodies.id, bodies.radii, position, velocity, contacts, pressure, named)
+        if work.shapes is not None:
+            frame = frame._replace(axes=bodies.axes, orientation=in_scene_order(work, work.shapes.orientation))
+        log.frames.append(frame)
 
 
 def _saved(work: Working, log: Log) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -247,7 +256,9 @@ def _saved(work: Working, log: Log) -> tuple[dict[str, Any], dict[str, np.ndarra
     arrays["frame_outputs"] = np.array([frame.output for frame in log.frames])
     arrays["frame_cells"] = np.array([frame.box.cell for frame in log.frames])
     for number, frame in enumerate(log.frames):
-        arrays |= {f"network{number}_{name}": value for name, value in frame.network._asdict().items()}
+        arrays |= {f"network{number}_{name}": value for name, value in frame.network._asdict().items() if value is not None}
+        if frame.orientation is not None:
+            arrays[f"orientation{number}"] = frame.orientation
     for name in ("position", "velocity", "contacts", "pressure"):
         arrays[f"frame_{name}"] = np.array([getattr(frame, name) for frame in log.frames])
     return {"counts": dict(log.counts), "beyond": [list(beyond) for beyond in log.beyond]}, arrays
@@ -258,11 +269,14 @@ def _restored(scene: Scene, work: Working, numbers: dict[str, Any], arrays: dict
     rows = arrays["rows"].tolist()
     own = zip(*(arrays[f"frame_{name}"] for name in ("outputs", "cells", "position", "velocity", "contacts", "pressure")), strict=True)
     same = (scene.particles.id, scene.particles.radii)
-    networks = (Network(*(arrays[f"network{k}_{name}"] for name in Network._fields)) for k in range(len(arrays["frame_outputs"])))
-    frames = []
-    for (output, cell, position, velocity, contacts, pressure), network in zip(own, networks, strict=True):
-        row = int(output)
-        frames.append(Frame(row, rows[row][0], scene.box.with_cell(cell), *same, position, velocity, contacts, pressure, network))
+    named: list[dict[str, Any]] = [
+        {name: arrays.get(f"network{k}_{name}") for name in Network._fields} for k in range(len(arrays["frame_outputs"]))
+    ]
+    frames: list[Frame] = []
+    for (output, cell, position, velocity, contacts, pressure), contact in zip(own, named, strict=True):
+        row, turns = int(output), arrays.get(f"orientation{len(frames)}")
+        frame = Frame(row, rows[row][0], scene.box.with_cell(cell), *same, position, velocity, contacts, pressure, Network(**contact))
+        frames.append(frame if turns is None else frame._replace(axes=scene.particles.axes, orientation=turns))
     beyond = [Beyond(int(a), int(b), c, d, tuple(e)) for a, b, c, d, e in numbers["beyond"]]
     return work, Log(rows, frames, beyond, numbers["counts"])
 
@@ -293,8 +307,8 @@ def _statistics(scene: Scene, plan: Plan, log: Log, identity: dict[str, str], wo
         "threads": scene.threads,
         "stiffness_bound": plan.step.stiffness,
         "overlap_reckoned_with": plan.step.overlap,
-        "law": dispatch.law_of(law).name,
-        "law_source": dispatch.law_of(law).source,
+        "law": known_law(law).name,
+        "law_source": known_law(law).source,
         "law_parameters": {name: np.asarray(value).tolist() for name, value in law._asdict().items()},  # type: ignore[attr-defined]
         "law_hash": law_hash(law),
         "scene_hash": identity["scene"],

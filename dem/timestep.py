@@ -18,6 +18,7 @@ import numpy.typing as npt
 from contactlaws import dispatch, pair
 from contactlaws.compiled import kernel
 from contactlaws.tangential import tangential_stiffness
+from dem import ellipsoid_timestep as of_ellipsoids
 from dem.particles import Particles
 from dem.scene import Contact, Scene
 
@@ -100,11 +101,18 @@ def _steps(scene: Scene, overlap: float, fraction: float) -> Iterator[TimeStep]:
         for other, theirs in enumerate(of_kind):
             if theirs.any():
                 contact = scene.contact_between(one, other)
+                if scene.particles.axes is not None:
+                    axes = scene.particles.axes
+                    yield _ellipsoid_step(contact, axes[mine], axes[theirs], float(masses[mine].min()), overlap, fraction)
+                    continue
                 for mass, radius in _quickest(masses[mine], radii[mine], float(radii[theirs].max())):
                     stiffness = pair_stiffness(contact, radius, float(radii[theirs].max()), overlap)
                     yield _step(mass, stiffness, overlap, fraction, KISSING_NUMBER, _damping(contact))
         if any(scene.walls):
             contact = scene.contact_with_wall(one)
+            if scene.particles.axes is not None:
+                yield _ellipsoid_step(contact, scene.particles.axes[mine], None, float(masses[mine].min()), overlap, fraction)
+                continue
             for mass, radius in _quickest(masses[mine], radii[mine], math.inf):
                 stiffness = pair_stiffness(contact, radius, None, overlap)
                 yield _step(mass, stiffness, overlap, fraction, KISSING_NUMBER, _damping(contact))
@@ -118,6 +126,16 @@ def _quickest(masses: FloatArray, radii: FloatArray, widest: float) -> set[tuple
     pair_radii = radii / (1.0 + radii / widest)
     found = {int(np.argmin(masses / pair_radii**power)) for power in (0.0, 0.5, 1.0)}
     return {(float(masses[row]), float(radii[row])) for row in found}
+
+
+def _ellipsoid_step(
+    contact: Contact, axes_1: FloatArray, axes_2: FloatArray | None, mass: float, overlap: float, fraction: float
+) -> TimeStep:
+    """Of the lightest of the first on contacts with the second, or on a wall (None)."""
+    normal, sliding = of_ellipsoids.turning(axes_1)
+    stiffness = normal * of_ellipsoids.stiffness(contact, axes_1, axes_2, overlap)
+    stiffness = max(stiffness, sliding * of_ellipsoids.sliding_stiffness(contact, axes_1, axes_2, overlap))
+    return _step(mass, stiffness, overlap, fraction, of_ellipsoids.contacts_on(axes_1), _damping(contact))
 
 
 def _damping(contact: Contact) -> float:
@@ -153,6 +171,8 @@ def collision_overlap(law: object, particles: Particles, speed: float) -> float:
     heaviest = int(np.argmax(particles.mass))
     radius, reduced_mass = float(particles.radii[heaviest]), 0.5 * float(particles.mass[heaviest])
     energy = 0.5 * reduced_mass * speed * speed
+    if particles.axes is not None:
+        return of_ellipsoids.collision_overlap(law, particles.axes, float(particles.mass[heaviest]), speed) if energy > 0.0 else 0.0
     if not energy > 0.0:
         return 0.0
     return float(overlap_absorbing(law, pair.pair_scale(law, radius, radius), energy, 1e-12 * radius, 2.0 * radius))

@@ -9,12 +9,16 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from contactlaws import dispatch, pair
+from contactlaws import dispatch, pair, shaped
 from dem.box import Box
-from dem.forces import LOST, TALLIES, Bodies, Frame, Past, Roles, Rows, forces, forces_on_threads, pair_forces
+from dem.ellipsoid_forces import AXIS, BEFORE, OF_LAW, PUSH, ellipsoid_forces
+from dem.forces import LOST, PRESSED, TALLIES, Bodies, Frame, Past, Roles, Rows, pair_forces
+from dem.laws import in_time, known_law
 from dem.motion import Deformation, Listed, advance
 from dem.neighbours import cell_order, codes_of, neighbours, rows_before
+from dem.rotation import Shapes, shapes_of
 from dem.scene import Contact, Scene
+from dem.step import all_forces
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -60,6 +64,7 @@ class Working(NamedTuple):
     virial: FloatArray  # J, shape (threads, 3, 3); see forces.pair_forces
     reaction: FloatArray  # N, on walls, shape (threads, w, 3)
     tally: FloatArray  # shape (threads, TALLIES), see forces
+    shapes: Shapes | None = None  # None: all are spheres
 
     @property
     def size(self) -> int:
@@ -68,8 +73,13 @@ class Working(NamedTuple):
 
     @property
     def radii(self) -> FloatArray:
-        """Every radius in m."""
+        """Every radius in m, of an ellipsoid the mean one."""
         return np.full(self.size, self.bodies.one_radius) if self.bodies.radius is None else self.bodies.radius
+
+    @property
+    def reaches(self) -> FloatArray:
+        """How far in m each body goes from its centre at most."""
+        return self.radii if self.shapes is None else self.shapes.bounding
 
     @property
     def masses(self) -> FloatArray:
@@ -90,7 +100,7 @@ class Working(NamedTuple):
 
 def needs_rates(contact: Contact) -> bool:
     """Whether anything asks how fast surfaces move on each other."""
-    return contact.tangential is not None or contact.damping is not None or dispatch.law_of(contact.normal).in_time
+    return contact.tangential is not None or contact.damping is not None or in_time(contact.normal)
 
 
 def kinds_of(scene: Scene) -> tuple[Kind, ...]:
@@ -105,14 +115,18 @@ def kinds_of(scene: Scene) -> tuple[Kind, ...]:
 def working(scene: Scene) -> Working:
     """Arrays sorted by cells, so that neighbours in space are neighbours in memory (once, at the start: a dense packing hardly mixes)."""
     bodies, count, kinds = scene.particles, scene.particles.size, kinds_of(scene)
-    order = cell_order(bodies.position, bodies.radii)
-    turns = bodies.spin is not None or "rotation" in scene.carry or any(kind.contact.tangential is not None for kind in kinds)
+    order, round_ones = cell_order(bodies.position, bodies.radii), bodies.axes is None
+    turns = not round_ones or bodies.spin is not None or "rotation" in scene.carry
+    turns = turns or any(kind.contact.tangential is not None for kind in kinds)
     radii, masses = bodies.radii[order], scene.masses[order]
     one_mass = count == 0 or bool(np.all(masses == masses[0]))
     spin = np.zeros((count, 3)) if bodies.spin is None else bodies.spin[order].astype(float)
-    many = np.ndim(bodies.radius) > 0 or "radius" in scene.carry
+    many = not round_ones or np.ndim(bodies.radius) > 0 or "radius" in scene.carry
     walls = np.array([[a, s, 0.0 if s > 0 else scene.box.lengths[a], 0.0] for a in range(3) if scene.walls[a] for s in (1.0, -1.0)])
-    threads, skin, widest = scene.threads, scene.skin, float(radii.max(initial=0.0))
+    shapes = None
+    if bodies.axes is not None and bodies.orientation is not None:
+        shapes = shapes_of(bodies.axes[order], bodies.orientation[order], masses, spin)
+    threads, skin, widest = scene.threads, scene.skin, float((radii if shapes is None else shapes.bounding).max(initial=0.0))
     work = Working(
         bodies=Bodies(
             position=bodies.position[order],
@@ -138,6 +152,7 @@ def working(scene: Scene) -> Working:
         virial=np.zeros((threads, 3, 3)),
         reaction=np.zeros((threads, len(walls), 3)),
         tally=np.zeros((threads, TALLIES)),
+        shapes=shapes,
     )
     work = relisted(work)
     renew_forces(work)
@@ -149,14 +164,18 @@ def renew_forces(work: Working, gradient: FloatArray | None = None, dt: float = 
     images = work.listed.images
     frame = Frame(images @ work.cell, np.zeros_like(images), np.zeros((3, 3)) if gradient is None else gradient, work.walls)
     sums = (work.force, work.torque, work.virial, work.reaction, work.tally)
-    (forces if threaded(work) is None else forces_on_threads)(work.groups, work.bodies, frame, dt, *sums)
+    all_forces(threaded(work), work.groups, work.bodies, work.shapes, frame, dt, *sums)
 
 
 def _new_group(contact: Contact, many: bool, wall: bool, carry: tuple[str, ...]) -> Group:
     """A group without pairs: its arrays tell what its contacts will remember."""
     rates = True if needs_rates(contact) or "rates" in carry else None
-    floats, slides = dispatch.floats_of_state(contact.normal), contact.tangential is not None
-    blocks = None if dispatch.law_of(contact.normal).block is None else True
+    slides = contact.tangential is not None
+    if shaped.is_shaped(contact.normal):
+        blocks: bool | None = True
+        floats = OF_LAW + len(known_law(contact.normal).memory)
+    else:
+        floats, blocks = dispatch.floats_of_state(contact.normal), None if dispatch.law_of(contact.normal).block is None else True
     past = Past(
         memory=np.zeros((floats, 0) if blocks else (0, floats)) if floats else None,
         slip=np.zeros((4, 0)) if slides else None,
@@ -185,8 +204,9 @@ def follow(work: Working, deformation: Deformation, step: int, steps: int, movin
     end, drifted, lists = step + steps, False, 0
     while step < end:
         step, drifted = advance(
-            threaded(work), work.groups, deformation, step, end - step, drifted, work.bodies, work.cell, work.old, work.listed, work.walls,
-            moving_walls, work.force, work.torque, work.virial, work.reaction, work.tally,
+            threaded(work), work.shapes, work.groups, deformation, step, end - step, drifted,
+            work.bodies, work.cell, work.old, work.listed, work.walls, moving_walls,
+            work.force, work.torque, work.virial, work.reaction, work.tally,
         )  # fmt: skip
         if not np.isfinite(work.bodies.position).all():
             break
@@ -197,13 +217,13 @@ def follow(work: Working, deformation: Deformation, step: int, steps: int, movin
 
 def relisted(work: Working) -> Working:
     """The same state with a new pair list for the box as it is; what contacts remember goes along."""
-    bodies, radii, skin = work.bodies, work.radii, work.listed.skin
-    pairs = neighbours(bodies.position, radii, work.box, skin)
+    bodies, reaches, skin = work.bodies, work.reaches, work.listed.skin
+    pairs = neighbours(bodies.position, reaches, work.box, skin)
     images = np.concatenate([[[0, 0, 0]], pairs.images])  # the first for walls
     groups = []
     for kind, group in zip(work.kinds, work.groups, strict=True):
         if kind.second is None:
-            first, partner = _near_walls(work, radii, skin)
+            first, partner = _near_walls(work, reaches, skin)
             chosen = np.ones(len(first), bool) if work.kind is None else work.kind[first] == kind.first
             image = np.zeros(len(first), np.int64)
         else:
@@ -218,10 +238,11 @@ def relisted(work: Working) -> Working:
     return work._replace(groups=tuple(groups), listed=listed)
 
 
-def _near_walls(work: Working, radii: FloatArray, skin: float) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+def _near_walls(work: Working, reaches: FloatArray, skin: float) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """The spheres within the skin of a wall, and the walls."""
     near = [
-        np.flatnonzero(side * (work.bodies.position[:, int(axis)] - place) - radii <= skin) for axis, side, place, _ in work.walls.tolist()
+        np.flatnonzero(side * (work.bodies.position[:, int(axis)] - place) - reaches <= skin)
+        for axis, side, place, _ in work.walls.tolist()
     ]
     return np.concatenate(near), np.repeat(np.arange(len(near)), [len(rows) for rows in near])
 
@@ -239,12 +260,27 @@ def _carried_over(work: Working, group: Group, new: tuple[Any, Any, Any], images
         source = rows_before(before, (first, partner, codes_of(images)[image]), max(work.size, len(work.walls)))
         there = source >= 0
         if (memory := group.memory) is not None:
-            homeless = np.setdiff1d(np.flatnonzero(memory.any(axis=1)), source[there])
-            work.tally[0, LOST] += sum(_ended(work, group, row) for row in homeless)
+            used = memory if work.shapes is None else memory[:, BEFORE:]
+            homeless = np.setdiff1d(np.flatnonzero(used.any(axis=1)), source[there])
+            if work.shapes is None:
+                work.tally[0, LOST] += sum(_ended(work, group, row) for row in homeless)
+            else:
+                work.tally[0, PRESSED] -= 0.5 * float(np.sum(memory[homeless, PUSH] * memory[homeless, BEFORE]))
         kept = Past(*(None if array is None else _moved(array, source, there, array is group.memory) for array in past))
+        if work.shapes is not None and kept.memory is not None:
+            kept.memory[AXIS : AXIS + 3, ~there] = _centre_lines(work, first[~there], partner[~there], images[image[~there]], rows.image)
     number = np.uint16 if len(images) <= np.iinfo(np.uint16).max else np.uint32  # of images: spheres may be anywhere in space
     listed = None if rows.image is None else image.astype(number)
     return group._replace(rows=Rows(first.astype(np.uint32), partner.astype(np.uint32), listed), past=kept)
+
+
+def _centre_lines(work: Working, first: Any, partner: Any, images: npt.NDArray[np.int64], listed: Any) -> FloatArray:
+    """Unit vectors from the first to the second centre, shape (3, m): where the search for a common normal starts; of walls nothing."""
+    if listed is None:
+        return np.zeros((3, len(first)))
+    branch = (work.bodies.position[partner] - work.bodies.position[first] + images @ work.cell).T
+    length = np.linalg.norm(branch, axis=0)
+    return np.where(length > 0.0, branch / np.maximum(length, np.finfo(float).tiny), [[0.0], [0.0], [1.0]])
 
 
 def _moved(array: FloatArray, source: npt.NDArray[np.int64], there: npt.NDArray[np.bool_], in_rows: bool) -> FloatArray:
@@ -268,6 +304,8 @@ def _ended(work: Working, group: Group, row: int) -> float:
     return sum(pair.pair_energy(law, scale, 0.0, dispatch.load_state(law, group.memory, row), share))
 
 
+#: arrays of `Shapes` that change
+TURNING = ("orientation", "momentum", "surface")
 #: arrays of the state itself
 OWN = ("cell", "old", "begun", "walls", "force", "torque", "virial", "reaction", "tally")
 
@@ -276,6 +314,8 @@ def arrays_of(work: Working) -> dict[str, np.ndarray]:
     """Everything that changes, by name, for a checkpoint."""
     arrays: dict[str, Any] = {name: getattr(work, name) for name in OWN}
     arrays |= {f"body_{name}": value for name, value in work.bodies._asdict().items() if isinstance(value, np.ndarray)}
+    if work.shapes is not None:
+        arrays |= {f"shape_{name}": getattr(work.shapes, name) for name in TURNING}
     arrays |= {f"list_{name}": getattr(work.listed, name) for name in ("position", "cell", "images")}
     for number, group in enumerate(work.groups):
         arrays |= {
@@ -291,13 +331,14 @@ def with_arrays(work: Working, arrays: dict[str, np.ndarray]) -> Working:
         return {name.removeprefix(prefix): value for name, value in arrays.items() if name.startswith(prefix)}
 
     bodies, listed = work.bodies._replace(**those("body_")), work.listed._replace(**those("list_"))
+    shapes = None if work.shapes is None else work.shapes._replace(**those("shape_"))
     groups = []
     for number, group in enumerate(work.groups):
         own = those(f"group{number}_")
         rows = Rows(own["first"], own["partner"], own.get("image"))
         groups.append(group._replace(rows=rows, past=Past(*(own.get(name) for name in Past._fields))))
     changed: dict[str, Any] = {name: arrays[name] for name in OWN}
-    return work._replace(bodies=bodies, listed=listed, groups=tuple(groups), **changed)
+    return work._replace(bodies=bodies, listed=listed, groups=tuple(groups), shapes=shapes, **changed)
 
 
 def forces_between(work: Working) -> list[FloatArray]:
@@ -306,9 +347,16 @@ def forces_between(work: Working) -> list[FloatArray]:
     frame = Frame(work.listed.images @ work.cell, np.zeros_like(work.listed.images), np.zeros((3, 3)), work.walls)
     for group in work.groups:
         roles, rows = group.roles, group.rows
-        past = (None if array is None else array.copy() for array in group.past)
+        past = Past(*(None if array is None else array.copy() for array in group.past))
         network = np.zeros((len(rows.first), 3))
         sums = (np.zeros_like(work.force[0]), np.zeros_like(work.torque[0]), np.zeros((3, 3)), np.zeros_like(work.reaction[0]))
-        pair_forces(*roles, *rows, *past, *work.bodies, frame, 0.0, (0, len(rows.first)), *sums, network, np.zeros(TALLIES))
+        span, tally = (0, len(rows.first)), np.zeros(TALLIES)
+        if work.shapes is None:
+            pair_forces(*roles, *rows, *past, *work.bodies, frame, 0.0, span, *sums, network, tally)
+        else:
+            physics = (roles.normal, roles.tangential, roles.damper, roles.share, roles.rates)
+            b, s = work.bodies, work.shapes
+            places = (b.position, b.velocity, b.spin, b.radius, b.mass, b.one_mass, s.surface, s.bounding, s.sharpest)
+            ellipsoid_forces(*physics, *rows, past.memory, past.slip, past.damping, *places, frame, 0.0, span, *sums, network, tally)
         found.append(network)
     return found
