@@ -20,6 +20,7 @@ yield, and above .35 more can be got back there than was put in; all constants a
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from contactlaws.compiled import inlined, kernel
@@ -39,6 +40,7 @@ from contactlaws.rivals.becker_kamlah import (
     becker_kamlah_stiffness_bound,
     levelling,
 )
+from contactlaws.shaped import ShapedLaw, register
 
 _levelling = inlined(levelling)
 
@@ -107,12 +109,15 @@ def relative_radius(radius: float, *mean_radii: float) -> float:
     return radius / (sum(mean_radii) if len(mean_radii) == 2 else 4.0 * mean_radii[0])
 
 
+def _problems_of_material(law: BeckerKamlahEllipsoid) -> Iterator[Problem]:
+    for name in ("reduced_modulus", "yield_stress"):
+        value = getattr(law, name)
+        if not (math.isfinite(value) and value > 0.0):
+            yield Problem(name, value, "must be a positive finite number", "give it in Pa")
+
+
 def _problems(law: BeckerKamlahEllipsoid, gap: Gap, mean_radii: tuple[float, ...]) -> list[Problem]:
-    found = [
-        Problem(name, getattr(law, name), "must be a positive finite number", "give it in Pa")
-        for name in ("reduced_modulus", "yield_stress")
-        if not (math.isfinite(getattr(law, name)) and getattr(law, name) > 0.0)
-    ]
+    found = list(_problems_of_material(law))
     if len(mean_radii) not in (1, 2) or not all(math.isfinite(radius) and radius > 0.0 for radius in mean_radii):
         found.append(Problem("mean_radii", mean_radii, "must be one or two positive lengths", "give (abc)^(1/3) of each body, in m"))
     if not (0.0 < gap.smaller <= gap.larger < math.inf):
@@ -179,3 +184,32 @@ def becker_kamlah_shaped_stored(law, shape, overlap, memory):  # type: ignore[no
 def becker_kamlah_shaped_stiffness_bound(law, shape, overlap):  # type: ignore[no-untyped-def]
     """Largest tangent in N/m over all histories up to `overlap`."""
     return becker_kamlah_stiffness_bound(becker_kamlah_shaped(law, shape), overlap)
+
+
+def _problems_of_record(law: BeckerKamlahEllipsoid) -> Iterator[Problem]:
+    """What makes it unusable at some shape: lambda_max and epsilon_max are between their values at no radius and at an infinite one."""
+    yield from _problems_of_material(law)
+    ends = {
+        "pressure_limit": (law.pressure_limit, law.pressure_scale, law.pressure_rate, FIRST),
+        "radius_limit": (law.radius_limit, law.radius_scale, law.radius_rate, 1.0),
+    }
+    for name, (limit, scale, rate, least) in ends.items():
+        if not (least < limit < math.inf and limit + scale > least and scale < math.inf and -math.inf < rate <= 0.0):
+            yield Problem(name, limit, f"must leave more than {least:g} at every shape, and level", "the rate must not be positive")
+    if not 1.0 <= law.exponent < math.inf:
+        yield Problem("exponent", law.exponent, "must be 1 or more", "the authors have 1.8")
+
+
+register(
+    ShapedLaw(
+        "becker_kamlah_ellipsoid",
+        BeckerKamlahEllipsoid,
+        becker_kamlah_shaped_force,
+        becker_kamlah_shaped_contact_radius,
+        becker_kamlah_shaped_stored,
+        becker_kamlah_shaped_stiffness_bound,
+        ("largest overlap",),
+        "Becker & Kamlah 2021: Eqs. 24-31, 43-49 and 54, as corrected; a rigid flat as a mirror",
+        _problems_of_record,
+    )
+)

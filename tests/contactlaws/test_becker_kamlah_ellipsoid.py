@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from contactlaws import shaped
 from contactlaws.checks import check
 from contactlaws.contact_ellipse import FAST_UP_TO, exact_factors
 from contactlaws.ellipsoid import Gap, curvature, gap
@@ -268,6 +269,32 @@ def test_equation_4_as_printed_gives_no_sphere():
 def test_what_has_no_contact_is_refused(law: BeckerKamlahEllipsoid, shape: Gap, radii: tuple[float, ...], name: str):
     with pytest.raises(InputError, match=name):
         contact_of(law, shape, *radii)
+
+
+def test_a_contact_that_keeps_its_shape_is_followed_by_what_serves_ellipsoids():
+    """Loading, unloading, reloading, loading on: the wrapper for rolling contacts changes nothing where nothing rolls."""
+    law, shape = BeckerKamlahEllipsoid(150.0, 8.0), (1.0, 2.0, 1.1)
+    circle = contact_of(law, Gap(0.5 / math.sqrt(2.0), 0.5 * math.sqrt(2.0), np.eye(3)[:2]), 1.1).law
+    limit = becker_kamlah_yield_overlap(circle)
+    path = np.array([0.5, 1.0, 6.0, 5.0, 3.0, 5.5, 6.0, 9.0, 2.0]) * limit
+    memory, rolled, found = shaped.untouched(law), shaped.UNTOUCHED, []
+    for overlap in path.tolist():
+        force, memory, rolled = shaped.shaped_force(law, shape, overlap, memory, rolled)
+        found.append(force)
+    np.testing.assert_allclose(found, trace(circle, path).force, rtol=1e-5, atol=1e-5 * max(found))  # f1 and f2 within 3e-6
+    assert rolled[2] == 1.0
+    assert shaped.shaped_stored(law, 1.1, path[7], (path[7],), rolled) == pytest.approx(
+        becker_kamlah_energy(circle, path[7], (path[7],))[0], rel=1e-5
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [({"pressure_limit": 1.5}, "pressure_limit"), ({"radius_rate": 1.0}, "radius_limit"), ({"exponent": 0.9}, "exponent")],
+)
+def test_constants_without_meaning_are_refused(change: dict[str, float], name: str):
+    assert not list(shaped.shaped_law_of(PAIR).problems(PAIR))
+    assert [problem.name for problem in shaped.shaped_law_of(PAIR).problems(PAIR._replace(**change))] == [name]
 
 
 def test_a_contact_is_a_law_of_the_project():
