@@ -46,6 +46,7 @@ def write_tables(facts: Facts, out: Path) -> None:
     rows = {
         "bodies": tables.bodies(facts),
         "constants": tables.constants(facts),
+        "joint": tables.joint(facts),
         "together": tables.together(facts),
         "loading": [row._asdict() for row in facts.loading],
         "unloading": [row._asdict() for row in facts.unloading],

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from cases.becker_kamlah_2021.apart import Loaded, Unloaded, loaded, unloaded
 from cases.becker_kamlah_2021.bodies import Named
 from cases.becker_kamlah_2021.data import Key, Lacking, Study, nmc_key
+from cases.becker_kamlah_2021.joint_fit import Joint, fit_all
 from cases.becker_kamlah_2021.shape_fit import Read, Shape, Together, fit, fit_together, points, readings
 from cases.edmans_sinka_2020.facts import FAILS, HOLDS, PARTLY, UNTESTED, Finding, span, verdict
 
@@ -29,6 +30,7 @@ class Facts:
     unloading: Sequence[Unloaded]
     shapes: Mapping[tuple[Key, str, str], Shape]  # by material, reading and quantity
     together: Mapping[tuple[str, str], Together]  # by reading and quantity
+    joint: Mapping[Key, Joint]  # all seven constants, by material
 
     @property
     def nmc(self) -> Sequence[Read]:
@@ -99,4 +101,5 @@ def gather(study: Study, named: Named) -> Facts:
         unloading=[row for body in bodies for row in unloaded(body)],
         shapes=shapes,
         together=together,
+        joint={key: joint for key, rows in read_of.items() if (joint := fit_all(rows)) is not None},
     )

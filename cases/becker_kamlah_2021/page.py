@@ -10,6 +10,7 @@ import numpy as np
 from cases.becker_kamlah_2021 import own, tables
 from cases.becker_kamlah_2021.data import nmc_key
 from cases.becker_kamlah_2021.facts import FAILS, HOLDS, PARTLY, QUANTITIES, READINGS, UNTESTED, Facts
+from cases.becker_kamlah_2021.joint_fit import NAMES
 from cases.becker_kamlah_2021.shape_fit import FASTEST, SLOWEST, Shape
 from cases.becker_kamlah_2021.statements import GROUPS, Judgement, tally
 from cases.console import number
@@ -136,6 +137,7 @@ def _constants(facts: Facts) -> Iterator[Block]:
             rows.append((name, f"{paper[i]:g}", ours))
     yield table(("NMC", "Eq. 53", "ours"), rows)
     yield from _exponents(facts)
+    yield from _joint(facts)
     materials: list[tuple[str, ...]] = []
     for key in facts.read_of:
         cells = []
@@ -173,6 +175,22 @@ def _exponents(facts: Facts) -> Iterator[Block]:
         "as well."
     )
     yield table(("a:b", "R_e/r", "λ_max", "ε_max", "n if free", "condition", "misfit held, free"), rows)
+
+
+def _joint(facts: Facts) -> Iterator[Block]:
+    if not facts.joint:
+        return
+    yield text(
+        "All seven constants at once, with n, from the forces of all shapes in which λ rises; a dash where a constant does nothing. Where "
+        "errors reach the values the constants stand for each other; for E/Y of 60 and more the misfit shows that no constants serve."
+    )
+    rows = []
+    for key, found in facts.joint.items():
+        cells = [
+            f"{value:.3g} ± {error:.2g}" if np.isfinite(error) else "–" for value, error in zip(found.constants, found.errors, strict=True)
+        ]
+        rows.append((f"{key[0]:.4g}, {key[1]:g}", *cells, f"{100 * found.misfit:.2f} %", number(found.condition, 3), str(found.bodies)))
+    yield table(("E/Y, ν", *NAMES, "misfit", "condition", "bodies"), rows)
 
 
 def _together(facts: Facts) -> Iterator[Block]:
@@ -231,4 +249,4 @@ def _sources(facts: Facts) -> Iterator[Block]:
             rows.append((name.replace("_", " "), f"{np.median(values):.4f}", f"{values.max():.4f}"))
     yield text("Errors of mesh and steps as each curve estimates them (relative).")
     yield table(("quantity", "median", "largest"), rows)
-    yield text("bodies.csv, constants.csv, together.csv, loading.csv, unloading.csv and statements.csv hold all numbers.")
+    yield text("bodies.csv, constants.csv, joint.csv, together.csv, loading.csv, unloading.csv and statements.csv hold all numbers.")

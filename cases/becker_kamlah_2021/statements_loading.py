@@ -113,6 +113,9 @@ def exponent(facts: Facts) -> Finding:
         f"Condition numbers {conditions}; for R_e/r of {span([row.body.relative for row in lost], '.2f')} infinite: ε runs to 1, where "
         "n does nothing. It is told for sharp bodies alone; from the sphere on a larger n with a larger ε does as well."
     )
+    whole = facts.joint.get(nmc_key())
+    if whole is not None:
+        text += f"; all shapes at once {whole.constants[-1]:.2f} ± {whole.errors[-1]:.1f}"
     near = [row for row in told if abs((row.free.exponent or 0.0) - EXPONENT) < 0.35]
     return Finding(text, verdict(len(near) == len(facts.nmc), bool(near)), reason)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 from cases.becker_kamlah_2021.data import Key
 from cases.becker_kamlah_2021.facts import Facts
+from cases.becker_kamlah_2021.joint_fit import NAMES
 from cases.becker_kamlah_2021.shape_fit import Read, published
 from cases.becker_kamlah_2021.statements import Judgement
 
@@ -70,6 +72,26 @@ def constants(facts: Facts) -> list[Row]:
                 }
             )
     return rows
+
+
+def joint(facts: Facts) -> list[Row]:
+    """All seven constants of every material, from the forces of all its shapes at once; an empty error: the constant does nothing."""
+    return [
+        {
+            "modulus_over_yield_stress": key[0],
+            "poissons_ratio": key[1],
+            **dict(zip(NAMES, found.constants, strict=True)),
+            **{f"standard_error_{name}": _finite(error) for name, error in zip(NAMES, found.errors, strict=True)},
+            "misfit": found.misfit,
+            "condition": _finite(found.condition),
+            "bodies": found.bodies,
+        }
+        for key, found in facts.joint.items()
+    ]
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def together(facts: Facts) -> list[Row]:
