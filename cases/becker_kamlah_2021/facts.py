@@ -71,7 +71,7 @@ class Statement(NamedTuple):
         try:
             return self.check(facts)
         except Lacking as lacking:
-            return Finding("—", UNTESTED, f"needs {lacking}, which is not among the curves.")
+            return Finding("—", UNTESTED, f"Not among the curves: {lacking}.")
 
 
 def gather(study: Study, named: Named) -> Facts:

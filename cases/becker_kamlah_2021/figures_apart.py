@@ -59,17 +59,24 @@ def elastic(study: Study) -> Figure:
         for body in study.of(key):
             if _colour(body) is not GREY:
                 axis.plot(body.overlap / body.mean_radius, body.force / body.hertz(body.overlap), color=_colour(body), label=body.name)
-        axis.set(title=rf"$\nu$ = {key[1]:g}", xlabel=r"overlap $\delta/r$", xlim=(0.0, 0.1), ylim=(0.85, 2.0))
+        axis.set(title=rf"$\nu$ = {key[1]:g}")
     for axis in axes[0]:
         axis.axhline(1.0, color=GREY, lw=0.7, ls=":")
+        axis.set(xlabel=r"overlap $\delta/r$", xlim=(0.0, 0.1), ylim=(0.85, 2.0))
         for body in study.nmc:
             early = body.overlap <= (body.curve.yield_overlap or 0.0)
             if _colour(body) is not GREY:
                 overlap = body.overlap[early]
-                axis.plot(overlap / body.mean_radius, body.force[early] / body.hertz(overlap), "o", ms=2.0, color=_colour(body))
+                axis.plot(
+                    overlap / body.mean_radius,
+                    body.force[early] / body.hertz(overlap),
+                    "o",
+                    ms=2.0,
+                    color=_colour(body),
+                    label=None if keys else body.name,
+                )
     axes[0, 0].set_ylabel(r"$F/F_{Hertz}$")
-    if keys:
-        beside(figure, axes[0, 0], "shape a:b")
+    beside(figure, axes[0, 0], "shape a:b")
     return figure
 
 

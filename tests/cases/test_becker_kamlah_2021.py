@@ -249,7 +249,7 @@ def test_what_is_missing_is_said_to_be_not_tested(aspect: float):
     found = judge(gather(law_study((aspect,)), law_named()))
     missing = [item for item in found if item.finding.verdict == UNTESTED]
     assert missing
-    assert all("not among the curves" in item.finding.reason for item in missing)
+    assert all("Not among the curves" in item.finding.reason for item in missing)
 
 
 @pytest.mark.compiled_only(reason="thousands of points along laws for a dozen figures")
