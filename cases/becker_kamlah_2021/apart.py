@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calibration.residuals import follow
 from cases.becker_kamlah_2021.data import REACH, Body, Lacking
-from cases.becker_kamlah_2021.own import own_law
+from cases.becker_kamlah_2021.own import Follow, own_law
 from contactlaws.curve import Curve, FloatArray
+from contactlaws.path import trace
 from contactlaws.rivals.becker_kamlah import BeckerKamlah, becker_kamlah_energy, becker_kamlah_loading, becker_kamlah_recovered
 
 
@@ -89,8 +89,7 @@ def loaded(body: Body, read_from_it: BeckerKamlah) -> Loaded:
     below = np.minimum(overlap, body.yield_overlap)
     added = np.interp(below, body.overlap, body.force, left=0.0) - loading_of(body.law, below)
     assert body.curve.yield_overlap is not None
-    predicted = own_law(body.curve)
-    rows = body.curve.rows(0)
+    own = own_law(body.curve)
     return Loaded(
         name=body.name,
         relative=body.relative,
@@ -102,12 +101,8 @@ def loaded(body: Body, read_from_it: BeckerKamlah) -> Loaded:
         refitted=mean_over(overlap, np.abs(refitted)),
         area=at(body, end, body.contact_radius**2) / (body.radius * end),
         gain=largest_gain(body.law, body.yield_overlap),
-        own=None if predicted is None else _along(overlap, np.interp(overlap, body.curve.overlap[rows], predicted[rows]), force),
+        own=None if own is None else mean_over(overlap, np.abs(own(overlap) - force)) / force[-1],
     )
-
-
-def _along(overlap: FloatArray, predicted: FloatArray, force: FloatArray) -> float:
-    return mean_over(overlap, np.abs(predicted - force) / force.max())
 
 
 def largest_gain(law: BeckerKamlah, limit: float) -> float:
@@ -128,16 +123,16 @@ def _unloaded(body: Body, branch: int) -> Unloaded:
     curve, rows = body.curve, body.curve.rows(branch)
     overlap, force = curve.overlap[rows], curve.force[rows]
     top, law = float(overlap[0]), body.law
-    followed = follow(law, curve, branch)
     recovered = becker_kamlah_recovered(law, top)
-    path, finite, published = _to_the_lower_end(law, overlap, force, followed.force, top - recovered)
+    path, finite = _down_to(overlap, force, top - recovered)
+    published = trace(law, path).force
     largest = float(force[0])
-    scaled = published * largest / float(followed.force[0])
+    scaled = published * largest / float(published[0])
     limit = body.yield_overlap
-    beta = 0.75 * followed.force[0] / (law.reduced_modulus * recovered * np.sqrt(law.radius * top))
+    beta = 0.75 * published[0] / (law.reduced_modulus * recovered * np.sqrt(law.radius * top))
     assert curve.contact_radius is not None
-    predicted = own_law(curve)
-    own = None if predicted is None else predicted[rows]
+    own = own_law(curve)
+    left = None if own is None else _separation(own, top)
     assert top > limit
     return Unloaded(
         name=body.name,
@@ -147,29 +142,35 @@ def _unloaded(body: Body, branch: int) -> Unloaded:
         published=1.0 - recovered / top,
         error=mean_over(path, np.abs(published - finite)) / largest,
         shape_error=mean_over(path, np.abs(scaled - finite)) / largest,
-        start=float(followed.force[0]) / largest - 1.0,
+        start=float(published[0]) / largest - 1.0,
         beta=float(beta),
         area=float(beta**2 * law.radius * top / curve.contact_radius[rows][0] ** 2),
-        own=None if own is None else _along(overlap, own, force),
-        own_residual=None if own is None else _separation(overlap, own) / top,
+        own=None if own is None or left is None else _difference(own, overlap, force, left),
+        own_residual=None if left is None else left / top,
     )
 
 
-def _to_the_lower_end(
-    law: BeckerKamlah, overlap: FloatArray, force: FloatArray, predicted: FloatArray, separation: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Path and both forces, down to where the later of the two separates."""
+def _down_to(overlap: FloatArray, force: FloatArray, separation: float) -> tuple[FloatArray, FloatArray]:
+    """An unloading by finite elements, its path (m) gone on without force to where a law separates, if that is later."""
     if separation >= overlap[-1]:
-        return overlap, force, predicted
+        return overlap, force
     more = np.linspace(overlap[-1], separation, 30)[1:]
-    share = (more - separation) / (overlap[0] - separation)
-    rest = float(predicted[0]) * np.clip(share, 0.0, None) ** 1.5
-    return np.concatenate([overlap, more]), np.concatenate([force, 0.0 * more]), np.concatenate([predicted, rest])
+    return np.concatenate([overlap, more]), np.concatenate([force, 0.0 * more])
 
 
-def _separation(overlap: FloatArray, force: FloatArray) -> float:
-    """The overlap at which a predicted unloading has no force left."""
-    return float(overlap[np.flatnonzero(force > 0.0)[-1]])
+def _difference(own: Follow, overlap: FloatArray, force: FloatArray, separation: float) -> float:
+    """Mean difference of our law's force along an unloading, over the largest force."""
+    path, finite = _down_to(overlap, force, separation)
+    return mean_over(path, np.abs(own(path) - finite)) / float(force[0])
+
+
+def _separation(own: Follow, top: float) -> float:
+    """The overlap in m at which our law has no force left, unloaded from `top` (m): by halving, to a millionth."""
+    low, high = 0.0, top
+    while high - low > 1e-6 * top:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if own(np.array([top, middle]))[1] > 0.0 else (middle, high)
+    return high
 
 
 def of_shape(rows: Sequence[Unloaded], name: str) -> list[Unloaded]:

@@ -101,7 +101,7 @@ def by_shape(bodies: list[Body]) -> Figure:
 
 def _draw(axis: Axes, body: Body) -> None:
     curve, unit = body.curve, body.mean_radius
-    predicted = own.own_law(curve)
+    ours = own.own_law(curve)
     for branch in (0, *curve.unloadings):
         rows = curve.rows(branch)
         x, first = curve.overlap[rows] / unit, branch == 0
@@ -119,8 +119,9 @@ def _draw(axis: Axes, body: Body) -> None:
         overlap = curve.overlap[rows][keep] if first else _down(body, float(curve.overlap[rows][0]))
         law = trace(body.law, overlap).force / body.yield_force
         axis.plot(overlap / unit, law, color=PUBLISHED, lw=1.0, label="published law" if first else None)
-        if predicted is not None:
-            axis.plot(x[keep], predicted[rows][keep] / body.yield_force, color=OURS, lw=1.0, label=own.NAME if first else None)
+        if ours is not None:
+            path = curve.overlap[rows][keep]
+            axis.plot(path / unit, ours(path) / body.yield_force, color=OURS, lw=1.0, label=own.NAME if first else None)
         if not first:
             axis.plot(x[-1], 0.0, "o", ms=3.0, color=GREY, clip_on=False)
     hertz = np.linspace(0.0, REACH, 60) * unit

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from contactlaws.curve import Curve, FloatArray
 
 #: as figures and tables call it
 NAME = "our law"
+#: forces in N at the overlaps in m of a path, which begins untouched or at the largest overlap so far
+Follow = Callable[[FloatArray], FloatArray]
 
 
-def own_law(curve: Curve) -> FloatArray | None:
-    """Force in N that our law predicts at every row of a curve, from the body and the material alone; None: there is no such law yet."""
+def own_law(curve: Curve) -> Follow | None:
+    """Our law of the body of a curve, from its shape and its material alone; None: there is no such law yet."""
     return None

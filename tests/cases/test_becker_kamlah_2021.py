@@ -183,12 +183,16 @@ def test_a_largest_lambda_needs_a_rise_and_a_fall():
 
 
 def test_our_own_law_has_its_place(monkeypatch: pytest.MonkeyPatch):
-    """None until there is one; then errors of its own."""
+    """None until there is one; then errors of its own, here those of the published law with 1 % more force."""
     body = Body(law_curve(NMC, 1.0))
+    monkeypatch.setattr(apart, "own_law", lambda curve: None)
     assert loaded(body, body.law).own is None
-    monkeypatch.setattr(apart, "own_law", lambda curve: 1.01 * curve.force)
+    monkeypatch.setattr(apart, "own_law", lambda curve: lambda path: 1.01 * trace(body.law, path).force)
     assert loaded(body, body.law).own == pytest.approx(0.01 * mean_over(body.overlap, body.force) / body.force[-1], rel=0.2)
-    assert all(row.own is not None and 0.0 < row.own < 0.01 for row in unloaded(body))
+    for row in unloaded(body):
+        assert row.own is not None
+        assert 0.0 < row.own < 0.01
+        assert row.own_residual == pytest.approx(row.published, abs=2e-6)
 
 
 @pytest.mark.parametrize(
