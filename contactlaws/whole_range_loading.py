@@ -78,6 +78,22 @@ def plastic_limit(law, depth):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def part_of_elastic(law, size, t, z, bend_more, lag_more, onset_less):  # type: ignore[no-untyped-def]
+    """f/f_el beyond yield as dividend and divisor. size: the depth that indentation and upsetting are told apart by, t its square root.
+
+    The last three are what another shape than the sphere's changes: added to bend and lag, and the factor that divides the onset.
+    """
+    power = size * size * law.turn_2
+    power *= power
+    upset = power / (1.0 + power)
+    lag = law.lag + law.lag_root * t + upset * (law.lag_upset + law.lag_upset_depth * size) + lag_more
+    early = (1.0 + law.onset_upset_depth * upset * upset * size) * onset_less  # the onset is divided by it: it stays positive
+    bend = law.bend * (1.0 - upset) + bend_more
+    above = early * z * (z + bend + lag) + law.onset
+    return above, above + early * z * z * (z + bend)
+
+
+@inlined
 def loading_load(law, depth):  # type: ignore[no-untyped-def]
     """f on the loading branch. The elastic force over the plastic limit is formed by one division: this is the force of every contact."""
     t = math.sqrt(depth)
@@ -87,14 +103,8 @@ def loading_load(law, depth):  # type: ignore[no-untyped-def]
         return elastic
     over, under = limit_parts(law, depth, t)
     z = law.stiffness / INDENTATION * t * (1.0 - depth) * factor * under / over - law.yield_load
-    power = depth * depth * law.turn_2
-    power *= power
-    upset = power / (1.0 + power)
-    lag = law.lag + law.lag_root * t + upset * (law.lag_upset + law.lag_upset_depth * depth)
-    early = 1.0 + law.onset_upset_depth * upset * upset * depth  # the onset is divided by it: it stays positive
-    bend = law.bend * (1.0 - upset)
-    above = early * z * (z + bend + lag) + law.onset
-    return elastic * above / (above + early * z * z * (z + bend))
+    part, whole = part_of_elastic(law, depth, t, z, 0.0, 0.0, 1.0)
+    return elastic * part / whole
 
 
 @kernel
@@ -116,12 +126,17 @@ def share(depth, half, power):  # type: ignore[no-untyped-def]
 @kernel
 def loading_area(law, depth, phi):  # type: ignore[no-untyped-def]
     """(a/R)^2 on the loading branch: (1 - phi)^N of the way from the elastic to the plastic one."""
-    elastic = elastic_area(law, depth)
+    return area_beyond_yield(law, depth, depth, phi, elastic_area(law, depth))
+
+
+@inlined
+def area_beyond_yield(law, depth, size, phi, elastic):  # type: ignore[no-untyped-def]
+    """(a/R)^2 from the elastic one; `size` is the depth that indentation and upsetting are told apart by."""
     if phi >= 1.0:
         return elastic
-    over = 1.0 + law.spread_1 * math.sqrt(depth) + law.spread_2 * depth * depth
-    plastic = AREA * depth * over / ((1.0 - depth) * (1.0 + law.spread_3 * depth * depth))
-    growth = law.growth + share(depth, law.growth_turn, 4) * law.growth_upset + law.growth_phi * phi
+    over = 1.0 + law.spread_1 * math.sqrt(size) + law.spread_2 * size * size
+    plastic = AREA * depth * over / ((1.0 - size) * (1.0 + law.spread_3 * size * size))
+    growth = law.growth + share(size, law.growth_turn, 4) * law.growth_upset + law.growth_phi * phi
     return elastic + (plastic - elastic) * (1.0 - phi) ** max(LEAST_GROWTH, growth)
 
 

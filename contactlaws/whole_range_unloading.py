@@ -25,14 +25,13 @@ _NODES, _SHARES = np.polynomial.legendre.leggauss(16)
 
 
 @kernel
-def plastic_recovery(law, depth, load, phi, area, upset):  # type: ignore[no-untyped-def]
-    """w_pl: Mesarovic & Johnson's and the bar's added in squares, each with its factor."""
-    h = 1.0 - depth
-    punch = 2.0 * (1.0 - law.poissons_ratio * law.poissons_ratio * h * h)
-    local = law.recovery * (1.0 - law.recovery_depth * math.sqrt(depth))
+def plastic_recovery(law, height, size, load, phi, area, upset):  # type: ignore[no-untyped-def]
+    """w_pl: Mesarovic & Johnson's and the bar's added in squares, each with its factor. height: what is left of the half height, of 1."""
+    punch = 2.0 * (1.0 - law.poissons_ratio * law.poissons_ratio * height * height)
+    local = law.recovery * (1.0 - law.recovery_depth * math.sqrt(size))
     factor = local + upset * (law.recovery_upset - local)
     dip = phi * (1.0 - phi) * (law.dip * phi + upset * law.dip_upset)
-    return law.compliance * load * h * h * math.sqrt(punch * punch / area + 2.25) * factor * (1.0 - dip)
+    return law.compliance * load * height * height * math.sqrt(punch * punch / area + 2.25) * factor * (1.0 - dip)
 
 
 @kernel
@@ -40,10 +39,16 @@ def recovered_depth(law, depth, load, phi, area):  # type: ignore[no-untyped-def
     """w: the overlap over the radius that unloading from `depth` gives back."""
     if phi >= 1.0:
         return depth
-    upset = share(depth, law.recovery_turn, 4)
-    plastic = min(depth, plastic_recovery(law, depth, load, phi, area, upset))
-    power = max(LEAST_POWER, law.fading_power + share(depth, law.fading_turn, 4) * law.fading_power_upset)
-    fading = max(LEAST_FADING, law.fading + law.fading_depth * depth * depth)
+    return recovered_beyond_yield(law, depth, 1.0 - depth, depth, load, phi, area)
+
+
+@kernel
+def recovered_beyond_yield(law, depth, height, size, load, phi, area):  # type: ignore[no-untyped-def]
+    """w; `height` as in `plastic_recovery`, `size` the depth that indentation and upsetting are told apart by."""
+    upset = share(size, law.recovery_turn, 4)
+    plastic = min(depth, plastic_recovery(law, height, size, load, phi, area, upset))
+    power = max(LEAST_POWER, law.fading_power + share(size, law.fading_turn, 4) * law.fading_power_upset)
+    fading = max(LEAST_FADING, law.fading + law.fading_depth * size * size)
     # phi: the plastic part falls no faster, so it is what is left of a stiff body
     left = phi * math.exp(-fading * (-math.log(phi)) ** power)
     # by upsetting more is left where phi is large, and less than the plastic part where it is small
@@ -60,14 +65,20 @@ def elastic_terms(law, depth):  # type: ignore[no-untyped-def]
 @kernel
 def shape_terms(law, depth, phi):  # type: ignore[no-untyped-def]
     """Share of the elastic branch; terms of that in sqrt(s), s and s^3; A and B of the rest."""
-    one, two, three = elastic_terms(law, depth)
+    return shape_of_terms(law, depth, phi, elastic_terms(law, depth))
+
+
+@inlined
+def shape_of_terms(law, size, phi, elastic):  # type: ignore[no-untyped-def]
+    """`shape_terms` from those of the elastic branch; `size` is the depth that indentation and upsetting are told apart by."""
+    one, two, three = elastic
     if phi >= 1.0:
         return 1.0, one, two, three, 1.5, 0.0
-    upset = share(depth, law.shape_turn, 6)
+    upset = share(size, law.shape_turn, 6)
     mix = 1.0 / (1.0 + (law.mix * (1.0 - phi) / phi) ** law.mix_power)
-    round_plastic = (1.0 - upset) * (law.round + law.round_phi * phi) + upset * (law.round_upset + law.round_upset_depth * depth)
+    round_plastic = (1.0 - upset) * (law.round + law.round_phi * phi) + upset * (law.round_upset + law.round_upset_depth * size)
     slope_plastic = law.slope + upset * (law.slope_upset - law.slope)
-    power = round_plastic + mix * (law.round_elastic + law.round_elastic_depth * depth - round_plastic)
+    power = round_plastic + mix * (law.round_elastic + law.round_elastic_depth * size - round_plastic)
     power += (1.0 - upset) * law.round_dip * phi * (1.0 - phi)
     return phi**law.share, one, two, three, max(LEAST_ROUND, power), slope_plastic + mix * (law.slope_elastic - slope_plastic)
 

@@ -1,0 +1,107 @@
+"""How far the whole-range law of ellipsoids is from curves of pressed spheroids.
+
+    python -m calibration.whole_range_shape_errors FOLDER
+
+Of each body and unloading up to an overlap of .15 of the mean radius: the mean error of the force along load, unload and reload over the
+largest force, in equal steps of the overlap; the residual overlap over the largest; the contact area along the same path over the largest.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from calibration.whole_range_shape_data import Pressed, Unloading, read_folder
+from contactlaws.whole_range_shape import shaped_area, shaped_loading, shaped_recovered, shaped_retreat, shaped_terms
+from contactlaws.whole_range_unloading import shape
+
+FloatArray = npt.NDArray[np.float64]
+DEEPEST = 0.15
+STEPS = 100
+
+
+class Errors(NamedTuple):
+    """Of one unloading, each as a share."""
+
+    force: float  # mean along the path over the largest
+    loading: float  # mean of the loading over the largest
+    residual: float  # overlap, law less curve, over the largest overlap
+    area: float  # largest difference on the loading, over the area there
+    name: str
+    depth: float  # over the mean radius
+
+
+def errors(body: Pressed, c: FloatArray, one: Unloading) -> Errors:
+    """Of one unloading of a body, c the constants of its material."""
+    law, local = body.law, body.local
+    load, phi = shaped_loading(law, c, local, one.depth)
+    area = shaped_area(law, c, local, one.depth, phi)
+    recovered = shaped_recovered(law, c, local, one.depth, load, phi, area)
+    terms = shaped_terms(law, c, local, one.depth, phi)
+    up = np.linspace(0.0, one.depth, STEPS + 1)[1:]
+    loading = abs(np.array([shaped_loading(law, c, local, d)[0] for d in up]) - _between(body, up)) / one.load
+    first = one.depth - max(recovered, one.recovered)
+    back = np.linspace(first, one.depth, STEPS + 1)
+    own = load * np.array([shape(terms, max(0.0, 1.0 - (one.depth - d) / recovered)) for d in back])
+    curve = one.load * np.interp(back, one.depth - one.recovered * (1.0 - one.left[::-1]), one.share[::-1], left=0.0)
+    unloading = abs(own - curve) / one.load
+    # load once, unload and reload on one line: each in proportion to its way
+    way = (one.depth - first) / one.depth
+    mean = (loading.mean() + 2.0 * way * unloading.mean()) / (1.0 + 2.0 * way)
+    keep = (body.depth <= one.depth) & (body.t > 0.05)
+    found = np.array([shaped_area(law, c, local, d, shaped_loading(law, c, local, d)[1]) for d in body.depth[keep][-1:]])
+    difference = abs(found / body.area[keep][-1:] - 1.0).max(initial=0.0)
+    return Errors(mean, loading.mean(), (one.recovered - recovered) / one.depth, difference, body.name, one.depth * local[1])
+
+
+def _between(body: Pressed, depth: FloatArray) -> FloatArray:
+    """The force of the curve between its rows: over Hertz's it is smooth."""
+    ratio = np.interp(np.sqrt(depth), np.sqrt(body.depth), body.load / body.depth**1.5)
+    return ratio * depth**1.5
+
+
+def all_errors(table: Mapping[str, FloatArray], bodies: Sequence[Pressed]) -> list[Errors]:
+    """Of all unloadings up to `DEEPEST`."""
+    from calibration.whole_range_shape_fit import contracted
+
+    found = []
+    for body in bodies:
+        if not body.elastic:
+            c = contracted(dict(table), body.law.poissons_ratio)
+            found += [errors(body, c, one) for one in body.unloadings if one.depth * body.local[1] <= DEEPEST * 1.001]
+    return found
+
+
+def report(table: Mapping[str, FloatArray], bodies: Sequence[Pressed]) -> str:
+    """Percentiles and the worst, as text."""
+    found = all_errors(table, bodies)
+    lines = [f"{len(found)} unloadings up to {DEEPEST} of the mean radius; errors in % at the 50/75/90/100th percentile"]
+    for name in ("force", "loading", "residual", "area"):
+        values = np.array([100.0 * abs(getattr(one, name)) for one in found])
+        text = "/".join(f"{value:.2f}" for value in np.percentile(values, (50, 75, 90, 100)))
+        worst = found[int(values.argmax())]
+        lines.append(f"{name:10s} {text}   worst: {worst.name}, overlap {worst.depth:.3g}")
+    for name, limit in (("force", 0.01), ("residual", 0.02), ("area", 0.03)):
+        beyond = sum(abs(getattr(one, name)) > limit for one in found)
+        lines.append(f"{name} beyond {100 * limit:g} %: {beyond} of {len(found)}")
+    return "\n".join(lines)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """See the module."""
+    from contactlaws import whole_range_shape_constants as constants
+    from contactlaws.whole_range_shape import EXTENTS
+
+    parser = argparse.ArgumentParser(prog="python -m calibration.whole_range_shape_errors", description=__doc__)
+    parser.add_argument("folder", type=Path)
+    options = parser.parse_args(arguments)
+    print(report({name: getattr(constants, name) for name in EXTENTS}, list(read_folder(options.folder))))
+
+
+if __name__ == "__main__":
+    main()
