@@ -2,7 +2,8 @@
 
 A spheroid a : b : b, pressed along a, is a body of revolution. Shapes b/a from 1/2 to 2, E/Y from 5 to 1000, Poisson's ratios from 0 to .45,
 the elastic bodies, and the material of Becker & Kamlah 2021; to .2 of the mean radius (a b^2)^(1/3). Each curve is a file of its own, which
-appears when it is complete: interrupted, the command goes on from what is there. Some 400 curves, half a CPU hour.
+appears when it is complete: interrupted, the command goes on from what is there. 369 curves, 40 CPU minutes. With --unseen COUNT it is that
+many bodies drawn at random from the same range (one sequence of draws), to judge the law by.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
 
 from contactlaws.curve_files import write_curve
 from contactlaws.material import Material
@@ -61,6 +64,12 @@ def spheroids() -> Iterator[Spheroid]:
             yield from (Spheroid(Material(ratio, nu, 1.0), aspect) for aspect in ASPECTS)
 
 
+def unseen(count: int) -> Iterator[Spheroid]:
+    """Bodies drawn at random, in even proportion of the logarithms of E/Y and b/a, and of Poisson's ratio."""
+    for ratio, nu, aspect in np.random.default_rng(2021).random((count, 3)):
+        yield Spheroid(Material(float(5.0 * 200.0**ratio), float(0.45 * nu), 1.0), float(0.5 * 4.0**aspect))
+
+
 def compute_one(body: Spheroid, folder: Path) -> str:
     """One curve, into its file."""
     import fem
@@ -79,9 +88,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m calibration.spheroid_curves", description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--unseen", type=int, metavar="COUNT")
     options = parser.parse_args(arguments)
     options.folder.mkdir(parents=True, exist_ok=True)
-    missing = [body for body in spheroids() if not (options.folder / body.file_name).exists()]
+    bodies = spheroids() if options.unseen is None else unseen(options.unseen)
+    missing = [body for body in bodies if not (options.folder / body.file_name).exists()]
     with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
         futures = [pool.submit(compute_one, body, options.folder) for body in missing]
         for number, future in enumerate(as_completed(futures), 1):

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from calibration.whole_range_shape_data import Pressed, Unloading, read_folder
-from contactlaws.whole_range_shape import shaped_area, shaped_loading, shaped_recovered, shaped_retreat, shaped_terms
+from contactlaws.whole_range_shape import shaped_area, shaped_loading, shaped_recovered, shaped_terms
 from contactlaws.whole_range_unloading import shape
 
 FloatArray = npt.NDArray[np.float64]

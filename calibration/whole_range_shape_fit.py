@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import math
+import textwrap
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -23,7 +24,13 @@ from calibration.whole_range_shape_data import Pressed, read_folder
 from contactlaws.compiled import kernel
 from contactlaws.sources import ROOT
 from contactlaws.whole_range_shape import (
-    AREA, COUNT, EXTENTS, FORCE, PLACES, root_of_size, shaped_area, shaped_loading, shaped_recovered, shaped_terms, shaped_yield_gap,
+    EXTENTS,
+    root_of_size,
+    shaped_area,
+    shaped_loading,
+    shaped_recovered,
+    shaped_terms,
+    shaped_yield_gap,
 )
 from contactlaws.whole_range_unloading import shape
 
@@ -32,7 +39,7 @@ Table = dict[str, FloatArray]  # of each correction its constants, the last axis
 
 #: how many powers of Poisson's ratio each correction gets, from 0 on
 POWERS_OF_NU = {
-    "FORCE": 3, "AREA": 3, "YIELD": 2, "LIMIT": 1, "BEND": 1, "LAG": 2, "ONSET": 1, "SPREAD": 2, "RESIDUAL": 2, "ROUND": 1, "SATURATION": 1,
+    "FORCE": 3, "AREA": 3, "YIELD": 2, "LIMIT": 2, "BEND": 1, "LAG": 2, "ONSET": 1, "SPREAD": 2, "RESIDUAL": 2, "ROUND": 2, "SATURATION": 1,
 }  # fmt: skip
 #: rows pressed less far say nothing of the shape, but feel the mesh: root of the overlap over the mean radius
 SHALLOWEST = 0.02
@@ -217,8 +224,8 @@ def written(table: Table, bodies: Sequence[Pressed]) -> str:
         "",
     ]
     for name, values in table.items():
-        numbers = ", ".join(f"{value:.6g}" for value in values.ravel())
-        lines.append(f"{name} = np.array([{numbers}]).reshape({values.shape})")
+        rows = textwrap.wrap(", ".join(f"{value:.6g}" for value in values.ravel()), 132)
+        lines += ["# fmt: off", f"{name} = np.array([", *(f"    {row}" for row in rows), f"]).reshape({values.shape})", "# fmt: on"]
     return "\n".join(lines) + "\n"
 
 

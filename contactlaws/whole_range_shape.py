@@ -24,13 +24,14 @@ from contactlaws.whole_range_unloading import recovered_beyond_yield, shape_of_t
 FLATTEST = math.log(2.0)
 #: of each correction how many powers of m (elastic ones: the powers 1, 2, 6 of t), of s, and of phi
 EXTENTS = {
-    "FORCE": (3, 4), "AREA": (3, 4), "YIELD": (2, 3), "LIMIT": (5, 4), "BEND": (3, 2), "LAG": (3, 2), "ONSET": (3, 2),
-    "SPREAD": (3, 3, 2), "RESIDUAL": (3, 3, 3), "ROUND": (2, 2, 2), "SATURATION": (1,),
+    "FORCE": (3, 4), "AREA": (3, 4), "YIELD": (3, 4), "LIMIT": (5, 4), "BEND": (3, 3), "LAG": (3, 3), "ONSET": (3, 3),
+    "SPREAD": (3, 3, 2), "RESIDUAL": (4, 4, 4), "ROUND": (3, 3, 3), "SATURATION": (1,),
 }  # fmt: skip
-#: where each stands in the array of constants
-PLACES = dict(zip(EXTENTS, itertools.accumulate(map(math.prod, EXTENTS.values()), initial=0), strict=False))
-FORCE, AREA, YIELD, LIMIT, BEND, LAG, ONSET, SPREAD, RESIDUAL, ROUND, SATURATION = PLACES.values()
-COUNT = sum(map(math.prod, EXTENTS.values()))
+_STARTS = itertools.accumulate(map(math.prod, EXTENTS.values()), initial=0)
+#: where each stands in the array of constants, followed by its extent
+FORCE, AREA, YIELD, LIMIT, BEND, LAG, ONSET, SPREAD, RESIDUAL, ROUND, SATURATION = (
+    (start, *extent) for start, extent in zip(_STARTS, EXTENTS.values(), strict=False)
+)
 
 
 @inlined
@@ -43,8 +44,9 @@ def local_geometry(shape):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def series(c, at, most_m, most_s, m, s):  # type: ignore[no-untyped-def]
-    """Sum of c[j, k] m^(j + 1) s^(k + 1), c from place `at` on."""
+def series(c, where, m, s):  # type: ignore[no-untyped-def]
+    """Sum of c[j, k] m^(j + 1) s^(k + 1) of the correction that stands at `where`."""
+    at, most_m, most_s = where
     total = 0.0
     for j in range(most_m - 1, -1, -1):
         part = 0.0
@@ -55,8 +57,9 @@ def series(c, at, most_m, most_s, m, s):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def series_of_phi(c, at, most_m, most_s, most_phi, m, s, phi):  # type: ignore[no-untyped-def]
-    """Sum of c[j, k, l] m^(j + 1) s^(k + 1) phi^l."""
+def series_of_phi(c, where, m, s, phi):  # type: ignore[no-untyped-def]
+    """Sum of c[j, k, l] m^(j + 1) s^(k + 1) phi^l of the correction that stands at `where`."""
+    at, most_m, most_s, most_phi = where
     total = 0.0
     for j in range(most_m - 1, -1, -1):
         part = 0.0
@@ -70,8 +73,9 @@ def series_of_phi(c, at, most_m, most_s, most_phi, m, s, phi):  # type: ignore[n
 
 
 @inlined
-def elastic_terms_of(c, at, one, two, three, t, s):  # type: ignore[no-untyped-def]
+def elastic_terms_of(c, where, one, two, three, t, s):  # type: ignore[no-untyped-def]
     """Terms in t, t^2 and t^6 of an elastic factor, from the sphere's."""
+    at = where[0]
     for k in range(4):
         power = s ** (k + 1)
         one, two, three = one + c[at + k] * power, two + c[at + 4 + k] * power, three + c[at + 8 + k] * power
@@ -118,14 +122,14 @@ def shaped_elastic_area(law, c, local, depth):  # type: ignore[no-untyped-def]
 def shaped_yield_load(law, c, local):  # type: ignore[no-untyped-def]
     """Elastic force over the plastic limit at first yield."""
     t = math.sqrt(law.yield_depth * local[1])
-    return law.yield_load * math.exp(series(c, YIELD, 2, 3, min(t, 0.5), local[2]))
+    return law.yield_load * math.exp(series(c, YIELD, min(t, 0.5), local[2]))
 
 
 @inlined
 def root_of_size(c, local, t):  # type: ignore[no-untyped-def]
     """m."""
     u = t * local[1]
-    x = u / c[SATURATION]
+    x = u / c[SATURATION[0]]
     return t + (u - t) / (1.0 + x * x * x)
 
 
@@ -134,7 +138,7 @@ def shaped_limit(law, c, local, depth, m):  # type: ignore[no-untyped-def]
     """Plastic limit of the force."""
     size = m * m
     over, under = limit_parts(law, size, m)
-    return INDENTATION * depth * over * math.exp(series(c, LIMIT, 5, 4, m, local[2])) / ((1.0 - size) * under)
+    return INDENTATION * depth * over * math.exp(series(c, LIMIT, m, local[2])) / ((1.0 - size) * under)
 
 
 @kernel
@@ -156,8 +160,8 @@ def shaped_loading(law, c, local, depth):  # type: ignore[no-untyped-def]
     z = elastic / limit - shaped_yield_load(law, c, local)
     if z <= 0.0:
         return elastic, 1.0
-    lag, bend = series(c, LAG, 3, 2, m, s), series(c, BEND, 3, 2, m, s)
-    part, whole = part_of_elastic(law, size, m, z, bend, lag, math.exp(series(c, ONSET, 3, 2, m, s)))
+    lag, bend = series(c, LAG, m, s), series(c, BEND, m, s)
+    part, whole = part_of_elastic(law, size, m, z, bend, lag, math.exp(series(c, ONSET, m, s)))
     return elastic * part / whole, part / whole
 
 
@@ -168,7 +172,7 @@ def shaped_area(law, c, local, depth, phi):  # type: ignore[no-untyped-def]
     if phi >= 1.0:
         return elastic
     m = root_of_size(c, local, math.sqrt(depth * local[1]))
-    beyond = math.exp((1.0 - phi) * series_of_phi(c, SPREAD, 3, 3, 2, m, local[2], phi))
+    beyond = math.exp((1.0 - phi) * series_of_phi(c, SPREAD, m, local[2], phi))
     return area_beyond_yield(law, depth, m * m, phi, elastic) * beyond
 
 
@@ -180,7 +184,7 @@ def shaped_recovered(law, c, local, depth, load, phi, area):  # type: ignore[no-
     m = root_of_size(c, local, math.sqrt(depth * local[1]))
     height = 1.0 - depth * math.exp(2.0 * local[2])  # a spheroid's half height is R exp(-2 s)
     circular = recovered_beyond_yield(law, depth, height, m * m, load, phi, area / (local[3] * local[4]) ** 2)
-    residual = (depth - circular) / circular * math.exp(series_of_phi(c, RESIDUAL, 3, 3, 3, m, local[2], phi))
+    residual = (depth - circular) / circular * math.exp(series_of_phi(c, RESIDUAL, m, local[2], phi))
     return depth / (1.0 + residual)
 
 
@@ -191,7 +195,7 @@ def shaped_terms(law, c, local, depth, phi):  # type: ignore[no-untyped-def]
     m = root_of_size(c, local, t)
     elastic, one, two, three, power, slope = shape_of_terms(law, m * m, phi, force_terms(law, c, local, t))
     if phi < 1.0:
-        power = max(1.0, power + (1.0 - phi) * series_of_phi(c, ROUND, 2, 2, 2, m, local[2], phi))
+        power = max(1.0, power + (1.0 - phi) * series_of_phi(c, ROUND, m, local[2], phi))
     return elastic, one, two, three, power, slope
 
 
