@@ -52,6 +52,8 @@ recalibrate: study ## what is shipped, made anew from curves: atlas, constants o
 	@$(BIN)/fe2dem run cases/edmans_sinka_2020/small.toml --jobs $(JOBS) --out results/small
 	@$(BIN)/python -m calibration.atlas_build results/atlas results/edmans_sinka_2020/curves --compute --jobs $(JOBS)
 	@$(BIN)/python -m calibration.whole_range_fit results/edmans_sinka_2020/curves results/atlas results/small/curves --unseen results/unseen/curves --evaluations 90
+	@$(BIN)/python -m calibration.spheroid_curves results/becker_kamlah_2021/curves --jobs $(JOBS)
+	@$(BIN)/python -m calibration.whole_range_shape_fit results/becker_kamlah_2021/curves
 	@$(BIN)/fe2dem tournament results/edmans_sinka_2020 --out results/tournament
 	@$(BIN)/fe2dem tradeoff law results/tournament --save-scores calibration/data/tradeoff_law.parquet
 

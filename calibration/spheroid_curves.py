@@ -1,9 +1,9 @@
 """The command that presses spheroids against a flat, for the law of ellipsoids: `python -m calibration.spheroid_curves FOLDER [--jobs 2]`.
 
-A spheroid a : b : b, pressed along a, is a body of revolution. Shapes b/a from 1/2 to 2, E/Y from 5 to 1000, Poisson's ratios from 0 to .45,
-the elastic bodies, and the material of Becker & Kamlah 2021; to .2 of the mean radius (a b^2)^(1/3). Each curve is a file of its own, which
-appears when it is complete: interrupted, the command goes on from what is there. 369 curves, 40 CPU minutes. With --unseen COUNT it is that
-many bodies drawn at random from the same range (one sequence of draws), to judge the law by.
+A spheroid a : b : b, pressed along a, is a body of revolution. Shapes b/a from 1/2 to 2, E/Y from 5 to 1000, Poisson's ratios from 0 to
+.45, the elastic bodies, and the material of Becker & Kamlah 2021; to .2 of the mean radius (a b^2)^(1/3). Each curve is a file of its own,
+which appears when it is complete: interrupted, the command goes on from what is there. 369 curves, 40 CPU minutes. With --unseen COUNT it
+is that many bodies drawn at random from the same range (one sequence of draws), to judge the law by.
 """
 
 from __future__ import annotations

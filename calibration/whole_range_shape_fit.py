@@ -62,10 +62,10 @@ def contracted(table: Table, nu: float) -> FloatArray:
 def powers(extent: tuple[int, ...], nus: int, values: Sequence[FloatArray], nu: float) -> FloatArray:
     """The terms of a polynomial in the order of its constants, one row per point."""
     m, s, *phi = (np.asarray(value, dtype=float) for value in values)
-    terms = m[:, None] ** np.arange(1, extent[0] + 1)
-    terms = terms[:, :, None] * np.broadcast_to(s, m.shape)[:, None, None] ** np.arange(1, extent[1] + 1)
+    terms: FloatArray = m[:, None] ** np.arange(1.0, extent[0] + 1)
+    terms = terms[:, :, None] * np.broadcast_to(s, m.shape)[:, None, None] ** np.arange(1.0, extent[1] + 1)
     if phi:
-        terms = terms[..., None] * phi[0][:, None, None, None] ** np.arange(extent[2])
+        terms = terms[..., None] * phi[0][:, None, None, None] ** np.arange(float(extent[2]))
     return (terms[..., None] * nu ** np.arange(nus)).reshape(len(m), -1)
 
 

@@ -4,7 +4,8 @@ A shaped law is a frozen record of parameters and four scalar compiled functions
 describe ONE body pressed on a rigid frictionless flat, but the geometry comes with every call, and stays the same as long as the contact
 lasts:
 
-    force(law, shape, overlap, memory) -> (force, memory)       N; memory is a tuple of floats, as many as `ShapedLaw.memory` has names
+    force(law, shape, overlap, memory) -> (force, memory)       N; memory is a tuple of floats, as many as `ShapedLaw.memory` has names;
+                                                                 all but the first follow from it and the shape: zeros bring them anew
     contact_radius(law, shape, overlap, memory) -> float         m; sqrt(a b) of the contact ellipse
     stored(law, shape, overlap, memory) -> float                 J; what can be got back
     stiffness_bound(law, shape, overlap) -> float                N/m; the largest tangent over all histories up to `overlap`
@@ -121,6 +122,11 @@ def remember(law, array, row, column, memory):  # type: ignore[no-untyped-def]
         array[row + k, column] = memory[k]
 
 
+def kept(law, memory):  # type: ignore[no-untyped-def]
+    """What lasts of a memory when the contact becomes one of another shape: its first float."""
+    return memory[:1] + (0.0,) * (len(memory) - 1)
+
+
 def _numba_law(law: Any) -> ShapedLaw:
     if not isinstance(law, types.BaseNamedTuple):
         raise InputError(Problem("law", str(law), "must be a registered NamedTuple", "pass the record, not a plain tuple"))
@@ -177,6 +183,15 @@ def _(law, array, row, column, memory):  # type: ignore[no-untyped-def]
     return write
 
 
+@overload(kept, jit_options={"forceinline": True})
+def _(law, memory):  # type: ignore[no-untyped-def]
+    size = len(_numba_law(law).memory)
+    if size == 0:
+        return lambda law, memory: memory
+    zeros = (0.0,) * (size - 1)
+    return lambda law, memory: (memory[0], *zeros)
+
+
 @inlined
 def same_shape(shape, rolled):  # type: ignore[no-untyped-def]
     """Whether a contact still has, within the tolerance, the shape that it is counted with."""
@@ -208,7 +223,7 @@ def reshaped(law, shape, overlap, memory, rolled):  # type: ignore[no-untyped-de
     """Force, memory and `rolled` of a contact that has become one of another shape, no energy put in: less force if it would store more."""
     _, memory = force(law, counted(shape, rolled), overlap, memory)
     held = rolled[2] * stored(law, counted(shape, rolled), overlap, memory)
-    push, memory = force(law, shape, overlap, memory)
+    push, memory = force(law, shape, overlap, kept(law, memory))
     now = stored(law, shape, overlap, memory)
     factor = min(1.0, held / now) if now > 0.0 else 1.0
     return factor * push, memory, (shape[0], shape[1], factor, max(rolled[3], overlap))

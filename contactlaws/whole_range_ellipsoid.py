@@ -162,7 +162,7 @@ def whole_range_ellipsoid_stiffness_bound(law, shape, overlap):  # type: ignore[
     top = max(overlap, 0.0) / local[0]
     for i in range(STEPS + 1):
         depth = top * 1e-4 ** (1.0 - i / STEPS)
-        at, beyond = within(local, depth)
+        at, _ = within(local, depth)
         less = at * (1.0 - 1e-4)
         load, phi = shaped_loading(law.sphere, law.constants, local, at)
         steepest = max(steepest, (load - shaped_loading(law.sphere, law.constants, local, less)[0]) / (at - less), load / at)

@@ -2,9 +2,9 @@
 
 A body meets the flat with the radius of curvature R = 1/(2 sqrt(A B)) and the ratio of curvatures B/A; its mean radius is r. Its shape is
 s = 3/4 ln(R/r), which of a spheroid a : b : b pressed along a is ln(b/a). How far it is pressed is t = sqrt(overlap/r), of a sphere the
-root of its depth. When the body as a whole gives way depends on the contact over its height, u = t R/r: the sphere's law, which changes from
-indentation to upsetting with its depth, is asked for that at the root m of the depth, t + (u - t)/(1 + (u/u_s)^3), between the two. The
-corrections are polynomials in m (elastic ones: t) and s that begin with m s.
+root of its depth. When the body as a whole gives way depends on the contact over its height, u = t R/r: the sphere's law, which changes
+from indentation to upsetting with its depth, is asked for that at the root m of the depth, t + (u - t)/(1 + (u/u_s)^3), between the two.
+The corrections are polynomials in m (elastic ones: t) and s that begin with m s.
 
 The elliptical contact is Hertz's, with f1 and f2 of `contactlaws.contact_ellipse`. Plastic pressure and area hardly depend on the ellipse,
 and a contact is taken to be as plastic as the circular one with the same elastic force over the plastic limit.

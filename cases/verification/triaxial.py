@@ -22,12 +22,13 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from contactlaws.shaped import force as law_force
 
 from calibration.spheroid_curves import NMC
 from cases.benchmarks.calculix import GAP_PULL, GAP_STIFFNESS, installed
 from contactlaws.errors import InputError, Problem
+from contactlaws.shaped import force as law_force
 from contactlaws.whole_range_ellipsoid import whole_range_ellipsoid
+from fem.profile import load_gmsh
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -41,9 +42,8 @@ LEAST = 0.35
 
 def mesh(axes: tuple[float, float, float], size: float) -> tuple[FloatArray, npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Nodes (n, 3), tetrahedra (m, 10) in CalculiX's order and surface nodes of an eighth of the ellipsoid; the pressed axis is z."""
-    import gmsh
-
-    gmsh.initialize()
+    gmsh = load_gmsh()
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.model.occ.addSphere(0, 0, 0, 1, angle1=0, angle2=math.pi / 2, angle3=math.pi / 2)

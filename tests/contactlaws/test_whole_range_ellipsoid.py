@@ -1,10 +1,9 @@
-"""The whole-range law of ellipsoids: the sphere's law in its limit, energy, continuity, and finite elements of bodies it was not fitted to."""
+"""The whole-range law of ellipsoids: the sphere's in its limit, energy, continuity, finite elements of bodies it was not fitted to."""
 
 import math
 
 import numpy as np
 import pytest
-from contactlaws.shaped import UNTOUCHED, contact_radius, force, shaped_force, shaped_stored, stiffness_bound, stored, untouched
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,6 +12,7 @@ from calibration.whole_range_shape_data import pressed
 from calibration.whole_range_shape_errors import errors
 from contactlaws.material import Material
 from contactlaws.pair import effective
+from contactlaws.shaped import UNTOUCHED, contact_radius, force, shaped_force, shaped_stored, stiffness_bound, stored, untouched
 from contactlaws.whole_range import whole_range, whole_range_contact_radius, whole_range_energy, whole_range_force
 from contactlaws.whole_range_ellipsoid import FARTHEST, whole_range_ellipsoid
 
@@ -64,6 +64,7 @@ def test_a_small_contact_feels_its_curvature_alone(share):
     assert differences[1] < 0.2 * differences[0]  # a tenth if it is the root alone
 
 
+@pytest.mark.compiled_only("thousands of evaluations of long polynomials")
 @settings(max_examples=40, deadline=None)
 @given(MODULUS, NU, SHAPE, st.floats(1.0, 5.0))
 def test_loading_grows_stays_below_the_elastic_one_and_gives_no_energy_away(modulus, nu, share, ratio):
@@ -109,6 +110,7 @@ def test_unloading_gives_back_what_is_stored(modulus, nu, share, deepest):
     assert integral == pytest.approx(held, rel=1e-6)
 
 
+@pytest.mark.compiled_only("thousands of evaluations of long polynomials")
 @settings(max_examples=60, deadline=None)
 @given(MODULUS, NU, st.lists(st.tuples(st.floats(0.0, 0.15), SHAPE, st.floats(1.0, 4.0)), min_size=2, max_size=10))
 def test_a_contact_that_rolls_creates_no_energy(modulus, nu, stations):
@@ -150,6 +152,7 @@ def test_two_unlike_bodies_count_as_one_of_their_effective_material():
     assert found == pytest.approx([hertz, hertz], rel=1e-3)
 
 
+@pytest.mark.compiled_only("thousands of evaluations of long polynomials")
 @settings(max_examples=25, deadline=None)
 @given(MODULUS, NU, SHAPE, st.floats(1e-3, 0.3), st.data())
 def test_no_history_is_stiffer_than_the_bound(modulus, nu, share, deepest, data):
@@ -164,6 +167,7 @@ def test_no_history_is_stiffer_than_the_bound(modulus, nu, share, deepest, data)
     assert high - low <= bound * at * 1e-5 * (1.0 + 1e-6) + 1e-12 * high
 
 
+@pytest.mark.compiled_only("thousands of evaluations of long polynomials")
 def test_beyond_its_range_it_stays_finite_and_grows():
     for share in (-1.0, 0.0, 1.0):
         for modulus in (5.0, 1000.0):
@@ -177,6 +181,7 @@ def test_beyond_its_range_it_stays_finite_and_grows():
     assert (np.diff(load) > 0.0).all()
 
 
+@pytest.mark.compiled_only("thousands of evaluations of long polynomials")
 @pytest.mark.parametrize(("ratio", "nu", "aspect"), [(40.0, 0.2, 1.3), (17.97, 0.25, 0.65)])
 def test_finite_elements_of_a_body_it_was_not_fitted_to(ratio, nu, aspect):
     """Force within 1 % of the largest in the mean along load, unload, reload; residual overlap within 2 %, area within 3 %."""
