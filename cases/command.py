@@ -13,12 +13,12 @@ from typing import Annotated, Any
 import typer
 
 from cases.arguments import option, spread
-from cases.command_atlas import identify, predict
+from cases.command_atlas import ellipsoid, identify, predict
 from cases.command_prony import prony
 from cases.command_tradeoff import tournament, tradeoff
 
 BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
-SEVERAL_VALUES = {"--unload-from", "--speed", "--laws"}
+SEVERAL_VALUES = {"--unload-from", "--axes", "--other-axes", "--speed", "--laws"}
 
 app = typer.Typer(
     add_completion=False,
@@ -260,7 +260,7 @@ def laws() -> None:
     console.show_laws(registered())
 
 
-for _command in (run, reference, fit, prony, predict, identify, impact, simulate, tournament, status, report, doctor, laws):
+for _command in (run, reference, fit, prony, predict, identify, ellipsoid, impact, simulate, tournament, status, report, doctor, laws):
     app.command()(_command)
 app.add_typer(tradeoff, name="tradeoff")
 

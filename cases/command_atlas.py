@@ -1,4 +1,4 @@
-"""The commands that need no finite elements: `fe2dem predict` from the atlas, `fe2dem identify` a material by it."""
+"""The commands that need no finite elements: `fe2dem predict` from the atlas, `fe2dem identify` a material by it, `fe2dem ellipsoid`."""
 
 from __future__ import annotations
 
@@ -38,6 +38,24 @@ def predict(
     if stopped:
         print(f"fe2dem: stopped early: {stopped}; what is in {out} goes up to there", file=sys.stderr)
         raise typer.Exit(FAILED)
+
+
+def ellipsoid(
+    youngs_modulus: Annotated[Text, option("Young's modulus, such as '142 GPa'.")] = None,
+    poissons_ratio: Annotated[Text, option("Poisson's ratio, in [0, 0.5).")] = None,
+    yield_stress: Annotated[Text, option("Yield stress, such as '7.9 GPa'; see --elastic.")] = None,
+    elastic: Annotated[bool, typer.Option("--elastic", help="A body that never yields.")] = False,
+    axes: Annotated[list[str] | None, option("A B C: its semi-axes, that of the load first, such as '5 um' '6 um' '7 um'.")] = None,
+    other_axes: Annotated[list[str] | None, option("A B C of a second body of this material; a rigid flat without it.")] = None,
+    unload_from: Annotated[list[str] | None, option("D1 D2 ...: overlaps over the mean radius (abc)^(1/3), of a pair over both.")] = None,
+    out: Annotated[Path | None, option("CURVE.csv: overlap, force and semi-axes of the contact.")] = None,
+) -> None:
+    """Force and contact ellipse of an ellipsoid on a flat, or of two, along loading and unloadings, by the law of ellipsoids."""
+    from cases import ellipsoid_curve
+
+    values: dict[str, Any] = {"youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "yield_stress": yield_stress}
+    values |= {"axes": axes, "other_axes": other_axes, "unload_from": unload_from}
+    ellipsoid_curve.ellipsoid({name: value for name, value in values.items() if value is not None}, elastic, out)
 
 
 def identify(
