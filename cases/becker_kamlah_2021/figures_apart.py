@@ -32,12 +32,13 @@ CAPTION_ELASTIC = (
 )
 CAPTION_RESIDUAL = (
     "Overlap left after unloading over the largest one, NMC. Left against the largest overlap, right against the shape at 15 %: finite "
-    "elements (dots) and Eqs. 34, 44 (lines)."
+    "elements (dots), Eqs. 34, 44 (lines) and our law (dotted on the left)."
 )
 CAPTION_ERRORS = (
     "Mean difference of the published law's force, over the largest force, NMC. Left: along the loading to 15 %, with the constants of "
     "Eq. 54; the same with the body's own elastic force up to δ_Y; and with constants read from each body. Right: along unloadings from "
-    "the overlaps named (over the mean radius), most of which is the shape of the unloading and not the force it begins with."
+    "the overlaps named (over the mean radius), most of which is the shape of the unloading and not the force it begins with; dotted: our "
+    "law."
 )
 CAPTION_AREAS = (
     "Left: contact area over that of Eq. 9 along the loading, NMC, with the contact radius of the undeformed curvature; right: area "

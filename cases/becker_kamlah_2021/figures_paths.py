@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cases.becker_kamlah_2021 import own
-from cases.becker_kamlah_2021.bodies import Case, Named
+from cases.becker_kamlah_2021.bodies import PAPERS, Case, Named
 from cases.becker_kamlah_2021.data import REACH, Body, Study, nmc_key
 from cases.edmans_sinka_2020.drawing import GREY, Picture, new_figure, styled
 from cases.report.plots import COLOURS
@@ -16,7 +16,7 @@ from contactlaws.path import trace
 from contactlaws.rivals.becker_kamlah import FIRST, BeckerKamlah
 from contactlaws.rivals.becker_kamlah_ellipsoid import becker_kamlah_separation
 
-FINITE, PUBLISHED, OTHER, OURS = "black", COLOURS[0], COLOURS[4], COLOURS[2]
+FINITE, PUBLISHED, OTHER, OURS, OURS_PAIR = "black", COLOURS[0], COLOURS[4], COLOURS[2], COLOURS[1]
 #: of the page's four shapes
 SHOWN = (0.5, 2.0**-0.5, 2.0**0.5, 2.0)
 
@@ -43,9 +43,10 @@ def caption(case: Case) -> str:
     )
     return (
         f"NMC ellipsoids {one} and {two}, loaded to {100 * case.turns[0]:g} %, unloaded, reloaded to "
-        f"{100 * case.turns[1]:g} % of the mean radius and unloaded. Line: the published law of the pair; {compared}. Dots: finite "
-        f"elements of the spheroid 1:{case.aspect:.3f} with the same R_e/r = {case.relative:.4f}, for which the law is the same in "
-        "these units; the triaxial pair itself is beyond an axisymmetric solver. Reloading retraces the unloading in both."
+        f"{100 * case.turns[1]:g} % of the mean radius and unloaded. Lines: the published law of the pair, and ours; {compared}. Dots: "
+        f"finite elements of the spheroid 1:{case.aspect:.3f} with the same R_e/r = {case.relative:.4f}, for which the published law is "
+        "the same in these units; the triaxial pair itself is beyond an axisymmetric solver. At one share of the mean radius the spheroid, "
+        "whose δ_Y is larger, turns a little earlier in these units. Reloading retraces the unloading in all."
     )
 
 
@@ -71,6 +72,9 @@ def path(case: Case, body: Body) -> Figure:
     else:
         draw(law._replace(pressure_ratio=FIRST), "--", OTHER, "elastic-fully plastic")
     draw(law, "-", PUBLISHED, "published law")
+    gap = case.gap  # each of two equal bodies is one on the flat at half the overlap
+    ours = own.of_shape(PAPERS, (2.0 * gap.effective_radius, gap.larger / gap.smaller, case.mean_radius))
+    axis.plot(overlap / limit, ours(0.5 * overlap) / force, "-", color=OURS_PAIR, lw=0.9, label=f"{own.NAME} of the pair")
     for branch in (0, *body.curve.unloadings):
         rows = body.curve.rows(branch)
         x = body.curve.overlap[rows] / body.yield_overlap

@@ -68,7 +68,7 @@ def _apart(facts: Facts) -> Iterator[Block]:
         "NMC, by shape. First yield by finite elements over δ_Y; elastic force over Hertz's at δ_Y: what a body of finite size does before "
         "anything is plastic. Mean difference of the force along the loading to 15 % over its largest: with Eq. 54; with Eq. 54, but up to "
         "δ_Y the body's own force in place of Hertz's, and what that adds at δ_Y kept beyond; with λ_max and ε_max read from the body. "
-        "Contact area over Eq. 9 at 15 %; work that the law gives back over work put in, at worst."
+        "Contact area over Eq. 9 at 15 %; work that the law gives back over work put in, at worst. Last: the loading by our law."
     )
     columns = [
         "a:b",
