@@ -21,7 +21,7 @@ from contactlaws.whole_range_loading import INDENTATION, area_beyond_yield, limi
 from contactlaws.whole_range_unloading import recovered_beyond_yield, shape_of_terms
 
 #: shapes of the curves that the constants were fitted to; a body beyond is taken for the nearest shape with the same curvature
-FLATTEST = math.log(2.0)
+BLUNTEST = 2.0 ** (4.0 / 3.0)  # R/r of 1 : 2 : 2; its inverse is that of 1 : .5 : .5
 #: of each correction how many powers of m (elastic ones: the powers 1, 2, 6 of t), of s, and of phi
 EXTENTS = {
     "FORCE": (3, 4), "AREA": (3, 4), "YIELD": (3, 4), "LIMIT": (5, 4), "BEND": (3, 3), "LAG": (3, 3), "ONSET": (3, 3),
@@ -38,9 +38,9 @@ FORCE, AREA, YIELD, LIMIT, BEND, LAG, ONSET, SPREAD, RESIDUAL, ROUND, SATURATION
 def local_geometry(shape):  # type: ignore[no-untyped-def]
     """R (m), R/r, s, f1, f2 of a shape: R, B/A, r (m). A body beyond the flattest is given the mean radius of that."""
     radius, ratio, mean_radius = shape
-    s = min(max(0.75 * math.log(radius / mean_radius), -FLATTEST), FLATTEST)
+    blunt = min(max(radius / mean_radius, 1.0 / BLUNTEST), BLUNTEST)
     f1, f2, _ = fast_factors(ratio)
-    return radius, math.exp(s / 0.75), s, f1, f2
+    return radius, blunt, 0.75 * math.log(blunt), f1, f2
 
 
 @inlined
@@ -76,9 +76,10 @@ def series_of_phi(c, where, m, s, phi):  # type: ignore[no-untyped-def]
 def elastic_terms_of(c, where, one, two, three, t, s):  # type: ignore[no-untyped-def]
     """Terms in t, t^2 and t^6 of an elastic factor, from the sphere's."""
     at = where[0]
-    for k in range(4):
-        power = s ** (k + 1)
-        one, two, three = one + c[at + k] * power, two + c[at + 4 + k] * power, three + c[at + 8 + k] * power
+    add_1, add_2, add_3 = 0.0, 0.0, 0.0
+    for k in range(3, -1, -1):
+        add_1, add_2, add_3 = (add_1 + c[at + k]) * s, (add_2 + c[at + 4 + k]) * s, (add_3 + c[at + 8 + k]) * s
+    one, two, three = one + add_1, two + add_2, three + add_3
     square = t * t
     return one * t, two * square, three * square * square * square
 
