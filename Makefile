@@ -48,6 +48,9 @@ viscoelastic: $(READY) ## Wahn, Gan & Kamlah 2022: two spheres with numbers, law
 	@$(BIN)/python -m cases.wahn_gan_kamlah_2022 --out results/wahn_gan_kamlah_2022
 	@$(BIN)/python -m cases.wahn_gan_kamlah_2022 --packings --out results/wahn_gan_kamlah_2022
 
+ellipsoids: $(READY) ## Becker & Kamlah 2021 done again with 369 spheroids: figures, constants of any material, every statement judged; some 45 CPU minutes
+	@$(BIN)/python -m cases.becker_kamlah_2021 --jobs $(JOBS)
+
 recalibrate: study ## what is shipped, made anew from curves: atlas, constants of the whole-range law, scores of all laws
 	@$(BIN)/fe2dem run cases/edmans_sinka_2020/small.toml --jobs $(JOBS) --out results/small
 	@$(BIN)/python -m calibration.atlas_build results/atlas results/edmans_sinka_2020/curves --compute --jobs $(JOBS)

@@ -6,8 +6,9 @@ root of its depth. When the body as a whole gives way depends on the contact ove
 from indentation to upsetting with its depth, is asked for that at the root m of the depth, t + (u - t)/(1 + (u/u_s)^3), between the two.
 The corrections are polynomials in m (elastic ones: t) and s that begin with m s.
 
-The elliptical contact is Hertz's, with f1 and f2 of `contactlaws.contact_ellipse`. Plastic pressure and area hardly depend on the ellipse,
-and a contact is taken to be as plastic as the circular one with the same elastic force over the plastic limit.
+The elliptical contact is Hertz's, with f1 and f2 of `contactlaws.contact_ellipse`: its mean radius, force and pressure are those of a
+circular one with the radius R f1^2/f2 and the modulus E*/(f1 f2). Beyond yield it is still taken for that one, so area and plastic limit go
+with f1^2/f2.
 """
 
 from __future__ import annotations
@@ -41,6 +42,12 @@ def local_geometry(shape):  # type: ignore[no-untyped-def]
     blunt = min(max(radius / mean_radius, 1.0 / BLUNTEST), BLUNTEST)
     f1, f2, _ = fast_factors(ratio)
     return radius, blunt, 0.75 * math.log(blunt), f1, f2
+
+
+@inlined
+def circle(local):  # type: ignore[no-untyped-def]
+    """Radius of the circular contact with the same mean radius, force and pressure, over R."""
+    return local[3] * local[3] / local[4]
 
 
 @inlined
@@ -116,7 +123,7 @@ def shaped_elastic_area(law, c, local, depth):  # type: ignore[no-untyped-def]
     """Product of the half axes over R^2."""
     t = math.sqrt(depth * local[1])
     one, two, three = elastic_terms_of(c, AREA, law.area_1, law.area_2, law.area_3, t, local[2])
-    return depth * local[3] * local[3] / local[4] * max(0.0, 1.0 + one + two + three)
+    return depth * circle(local) * max(0.0, 1.0 + one + two + three)
 
 
 @inlined
@@ -139,7 +146,7 @@ def shaped_limit(law, c, local, depth, m):  # type: ignore[no-untyped-def]
     """Plastic limit of the force."""
     size = m * m
     over, under = limit_parts(law, size, m)
-    return INDENTATION * depth * over * math.exp(series(c, LIMIT, m, local[2])) / ((1.0 - size) * under)
+    return INDENTATION * depth * circle(local) * over * math.exp(series(c, LIMIT, m, local[2])) / ((1.0 - size) * under)
 
 
 @kernel
@@ -174,7 +181,7 @@ def shaped_area(law, c, local, depth, phi):  # type: ignore[no-untyped-def]
         return elastic
     m = root_of_size(c, local, math.sqrt(depth * local[1]))
     beyond = math.exp((1.0 - phi) * series_of_phi(c, SPREAD, m, local[2], phi))
-    return area_beyond_yield(law, depth, m * m, phi, elastic) * beyond
+    return area_beyond_yield(law, depth, m * m, phi, elastic / circle(local)) * circle(local) * beyond
 
 
 @kernel
