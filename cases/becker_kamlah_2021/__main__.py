@@ -16,7 +16,7 @@ from cases.becker_kamlah_2021 import bodies, data, figures_apart, figures_loadin
 from cases.becker_kamlah_2021.bodies import Named
 from cases.becker_kamlah_2021.data import Study
 from cases.becker_kamlah_2021.facts import Facts, gather
-from cases.becker_kamlah_2021.statements import judge, tally
+from cases.becker_kamlah_2021.statements import in_words, judge
 from cases.edmans_sinka_2020.drawing import Drawn, Picture
 from cases.report import plots
 from cases.tradeoff.page import write_csv
@@ -36,7 +36,7 @@ def make(study: Study, named: Named, out: Path) -> Path:
     (out / "figures").mkdir(parents=True, exist_ok=True)
     for item in drawn:
         write_text(out / "figures" / f"{item.picture.name}.svg", item.svg)
-    print(f"{len(drawn)} figures; statements: {', '.join(f'{n} {verdict}' for verdict, n in tally(judgements).items())}")
+    print(f"{len(drawn)} figures; statements: {in_words(judgements)}")
     return page.write(out / "becker_kamlah_2021.html", facts, judgements, drawn)
 
 

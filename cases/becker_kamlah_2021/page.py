@@ -12,7 +12,7 @@ from cases.becker_kamlah_2021.data import nmc_key
 from cases.becker_kamlah_2021.facts import FAILS, HOLDS, PARTLY, QUANTITIES, READINGS, UNTESTED, Facts
 from cases.becker_kamlah_2021.joint_fit import NAMES
 from cases.becker_kamlah_2021.shape_fit import FASTEST, SLOWEST, Shape
-from cases.becker_kamlah_2021.statements import GROUPS, Judgement, tally
+from cases.becker_kamlah_2021.statements import GROUPS, Judgement, in_words
 from cases.console import number
 from cases.edmans_sinka_2020.drawing import Drawn
 from cases.edmans_sinka_2020.wording import Block, prose, subscripts, table, text
@@ -46,12 +46,11 @@ def write(path: Path, facts: Facts, judgements: Sequence[Judgement], pictures: S
 
 
 def _summary(facts: Facts, judgements: Sequence[Judgement]) -> Iterator[Block]:
-    counts = ", ".join(f"{count} {name}" for name, count in tally(judgements).items())
     yield text(
         "V. Becker and M. Kamlah extend Thornton's law to two ellipsoids: Hertz's ellipse up to first yield, then a pressure λY on the "
         "area that Hertz would have, with λ growing from 1.6 to λ_max, and a Hertzian unloading of a flatter body. Two functions of "
         "R_e/r, read from finite elements of one material (NMC), hold all that is not derived. Here the law is taken as published, with "
-        f"what is misprinted set right, and every statement is held against other finite elements: {counts}."
+        f"what is misprinted set right, and every statement is held against other finite elements: {in_words(judgements)}."
     )
     yield text(
         "A spheroid a : b : b pressed along a against the flat is the pair with its mirror image: R_e/r = (b/a)^(4/3)/4, from 0.1 to 0.63 "

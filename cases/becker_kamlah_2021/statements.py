@@ -32,3 +32,10 @@ def judge(facts: Facts) -> list[Judgement]:
 def tally(judgements: Sequence[Judgement]) -> dict[str, int]:
     """How many have which verdict."""
     return dict(Counter(judgement.finding.verdict for judgement in judgements))
+
+
+def in_words(judgements: Sequence[Judgement]) -> str:
+    """The same as a phrase."""
+    plural = {"holds": "hold", "holds partly": "hold in part", "does not hold": "do not"}
+    counts = tally(judgements)
+    return ", ".join(f"{counts[verdict]} {words}" for verdict, words in plural.items() if verdict in counts)
