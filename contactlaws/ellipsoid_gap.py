@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from contactlaws.compiled import inlined, kernel
+from contactlaws.compiled import inlined, inner, kernel
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -92,7 +92,7 @@ def overlap_along(s_1, s_2, d, n):  # type: ignore[no-untyped-def]
 
 @inlined
 def look(s_1, s_2, d, n):  # type: ignore[no-untyped-def]
-    """All there is at `n`: g; h_1, h_2; the points from their centres; the plane's basis; gradient in it; W_1 + W_2 in it (xx, xy, yy)."""
+    """All there is at `n`: g; h_1, h_2, inverses; points from the centres; basis of the plane; gradient in it; xx, xy, yy of W_1 + W_2."""
     p, q = times(s_1, n), times(s_2, n)
     i, j = 1.0 / math.sqrt(dot(p, n)), 1.0 / math.sqrt(dot(q, n))
     p, q = (p[0] * i, p[1] * i, p[2] * i), (q[0] * j, q[1] * j, q[2] * j)
@@ -108,20 +108,21 @@ def look(s_1, s_2, d, n):  # type: ignore[no-untyped-def]
         s_1[5] * i + s_2[5] * j - p[2] * p[2] * i - q[2] * q[2] * j,
     )
     we, wf = times(w, e), times(w, f)
-    return h_1 + h_2 - dot(d, n), h_1, h_2, p, q, e, f, dot(off, e), dot(off, f), dot(we, e), dot(we, f), dot(wf, f)
+    return h_1 + h_2 - dot(d, n), h_1, h_2, i, j, p, q, e, f, dot(off, e), dot(off, f), dot(we, e), dot(we, f), dot(wf, f)
 
 
 @inlined
-def pair_shape(s_1, s_2, mean_1, mean_2, h_1, h_2, p, q, xx, xy, yy):  # type: ignore[no-untyped-def]
+def pair_shape(s_1, s_2, mean_1, mean_2, i, j, p, q, xx, xy, yy):  # type: ignore[no-untyped-def]
     """1/(2 sqrt(A B)) in m of the gap and B/A: A and B belong to (W_1^-1 + W_2^-1)/2, without an angle between principal directions.
 
-    det W = (a b c)^2/h^4, and the determinant of the sum of the inverses is det(W_1 + W_2)/(det W_1 det W_2).
+    i and j are 1/h, and xx, xy, yy of W_1 + W_2. det W = (a b c)^2/h^4, and the determinant of the sum of the inverses is
+    det(W_1 + W_2)/(det W_1 det W_2).
     """
-    i, j = 1.0 / h_1, 1.0 / h_2
     root_1, root_2 = mean_1 * mean_1 * mean_1 * i * i, mean_2 * mean_2 * mean_2 * j * j  # of the determinants
-    radius = root_1 * root_2 / math.sqrt(xx * yy - xy * xy)
     trace_1, trace_2 = (s_1[0] + s_1[3] + s_1[5] - dot(p, p)) * i, (s_2[0] + s_2[3] + s_2[5] - dot(q, q)) * j
-    t = 0.5 * radius * (trace_1 / (root_1 * root_1) + trace_2 / (root_2 * root_2))
+    both = root_1 * root_2
+    once = 1.0 / (both * math.sqrt(xx * yy - xy * xy))
+    radius, t = both * both * once, 0.5 * (trace_1 * root_2 * root_2 + trace_2 * root_1 * root_1) * once
     t = max(t, 1.0)  # but for round-off
     root = t + math.sqrt(t * t - 1.0)
     return radius, root * root
@@ -145,13 +146,13 @@ def turned(n, e, f, x, y):  # type: ignore[no-untyped-def]
     return nx * i, ny * i, nz * i
 
 
-@kernel
+@inner
 def settled(s_1, s_2, d, n, whole):  # type: ignore[no-untyped-def]
     """From `n` down to where g is least nearby, by Newton's method held back so that g never grows; n and g in m.
 
     Not `whole`: no further than to where the two are known to be apart.
     """
-    g, h_1, h_2, _, _, e, f, gx, gy, xx, xy, yy = look(s_1, s_2, d, n)
+    g, h_1, h_2, _, _, _, _, e, f, gx, gy, xx, xy, yy = look(s_1, s_2, d, n)
     smallest = 4e-16 * (h_1 + h_2 + abs(g))
     for _ in range(MOST):
         if g < 0.0 and not whole:
@@ -180,7 +181,7 @@ def settled(s_1, s_2, d, n, whole):  # type: ignore[no-untyped-def]
         if not found:
             break
         n = trial
-        g, h_1, h_2, _, _, e, f, gx, gy, xx, xy, yy = look(s_1, s_2, d, n)
+        g, h_1, h_2, _, _, _, _, e, f, gx, gy, xx, xy, yy = look(s_1, s_2, d, n)
         if shift == 0.0 and share == 1.0 and length < SETTLED:
             break
     return n, g
@@ -210,7 +211,7 @@ def between(s_1, s_2, share):  # type: ignore[no-untyped-def]
     )
 
 
-@kernel
+@inner
 def dividing(s_1, s_2, d):  # type: ignore[no-untyped-def]
     """The normal of the plane in which both touch when swollen or shrunk alike: it divides them if any plane does (Perram & Wertheim 1985).
 
@@ -249,7 +250,7 @@ def direction(k, d):  # type: ignore[no-untyped-def]
     return n if dot(d, n) >= 0.0 else (-n[0], -n[1], -n[2])
 
 
-@kernel
+@inner
 def searched(s_1, s_2, d):  # type: ignore[no-untyped-def]
     """The least g of all, for deep overlaps: from the best of many directions and from the dividing plane. n and g in m."""
     n, g = settled(s_1, s_2, d, dividing(s_1, s_2, d), True)
@@ -304,9 +305,9 @@ def _meeting(axes_1, turn_1, axes_2, turn_2, d):  # type: ignore[no-untyped-def]
     s_1, s_2 = surface_tensor(axes_1, turn_1), surface_tensor(axes_2, turn_2)
     sharpest = min(axes_1) ** 2 / max(axes_1) + min(axes_2) ** 2 / max(axes_2)
     n, _ = closest(s_1, s_2, d, (0.0, 0.0, 0.0), sharpest, False, True)
-    g, h_1, h_2, p, q, _, _, _, _, xx, xy, yy = look(s_1, s_2, d, n)
+    g, _, _, i, j, p, q, _, _, _, _, xx, xy, yy = look(s_1, s_2, d, n)
     mean_1, mean_2 = np.cbrt(axes_1[0] * axes_1[1] * axes_1[2]), np.cbrt(axes_2[0] * axes_2[1] * axes_2[2])
-    radius, ratio = pair_shape(s_1, s_2, mean_1, mean_2, h_1, h_2, p, q, xx, xy, yy)
+    radius, ratio = pair_shape(s_1, s_2, mean_1, mean_2, i, j, p, q, xx, xy, yy)
     return g, n, (p[0] - 0.5 * g * n[0], p[1] - 0.5 * g * n[1], p[2] - 0.5 * g * n[2]), radius, ratio
 
 

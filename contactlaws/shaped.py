@@ -229,7 +229,7 @@ def reshaped(law, shape, overlap, memory, rolled):  # type: ignore[no-untyped-de
     return factor * push, memory, (shape[0], shape[1], factor, max(rolled[3], overlap))
 
 
-@kernel
+@inlined
 def shaped_force(law, shape, overlap, memory, rolled):  # type: ignore[no-untyped-def]
     """Force in N, memory and `rolled` (see `ROLLED`) of one body at `overlap` (m) where it has `shape` now.
 

@@ -15,18 +15,19 @@ from numba import literal_unroll
 
 from contactlaws import shaped
 from contactlaws.compiled import inlined, inner, kernel
-from contactlaws.ellipsoid_gap import DEEP, closest, dot, look, pair_shape, times, turned, wall_shape
+from contactlaws.ellipsoid_gap import DEEP, closest, dot, look, pair_shape, times, wall_shape
 from contactlaws.tangential import damper_force, dragged, tangential_stiffness
-from dem.forces import BLOCK, DAMPED, LARGEST, NEAREST, PRESSED, SHEARED, clear
+from dem.forces import BLOCK, DAMPED, LARGEST, NEAREST, ONE, PRESSED, SHEARED, clear
 
 #: rows of what a contact remembers: the common normal (also of pairs that are apart); overlap in m; normal force of the law in N; what
 #: contactlaws.shaped.ROLLED says; the law's own
 AXIS, BEFORE, PUSH, ROLLED, OF_LAW = 0, 3, 4, 5, 9
-#: turn of the normal in a step beyond which one step of Newton's method is not enough: what is left is of the order of its square
-CLOSE = 1e-5
-#: rows of a block: centre to centre; normal; tensors; mean radii; overlap before and now; contact point; shape of the gap
-D, N, S_1, S_2, MEAN_1, MEAN_2, HAD, GAP, POINT, RADIUS, RATIO, STATE = 0, 3, 6, 12, 18, 19, 20, 21, 22, 25, 26, 27
-ROWS = 28
+#: columns of `rotation.Shapes.extent`
+REACH, SHARPEST, GRACE = 0, 1, 2
+#: rows of a block: centre to centre; normal; tensors; mean radii; overlap before and now; contact point; shape of the gap; what has been
+#: found; the largest turn, squared, for which one step of Newton's method is enough
+D, N, S_1, S_2, MEAN_1, MEAN_2, HAD, GAP, POINT, RADIUS, RATIO, STATE, LIMIT, MEAN = 0, 3, 6, 12, 18, 19, 20, 21, 22, 25, 26, 27, 28, 29
+ROWS = 30
 #: of a pair: its bodies are apart; they touch; one has to look
 APART, TOUCHING, OPEN = 0.0, 1.0, 2.0
 
@@ -50,7 +51,7 @@ def three(array, row, column):  # type: ignore[no-untyped-def]
     return array[row, column], array[row + 1, column], array[row + 2, column]
 
 
-@kernel
+@inlined
 def improve(buf, size):  # type: ignore[no-untyped-def]
     """One step of Newton's method for every pair of a block, and what follows from it.
 
@@ -59,7 +60,7 @@ def improve(buf, size):  # type: ignore[no-untyped-def]
     for q in range(size):
         s_1, s_2, d, n = six(buf, S_1, q), six(buf, S_2, q), three(buf, D, q), three(buf, N, q)
         mean_1, mean_2 = buf[MEAN_1, q], buf[MEAN_2, q]
-        g, h_1, h_2, p, r, e, f, gx, gy, xx, xy, yy = look(s_1, s_2, d, n)
+        g, h_1, h_2, k, j, p, r, e, f, gx, gy, xx, xy, yy = look(s_1, s_2, d, n)
         a, c = xx - g, yy - g
         determinant = a * c - xy * xy
         i = 1.0 / determinant
@@ -67,31 +68,37 @@ def improve(buf, size):  # type: ignore[no-untyped-def]
         deeper = g + 0.5 * (gx * x + gy * y)
         way = (x * e[0] + y * f[0], x * e[1] + y * f[1], x * e[2] + y * f[2])
         moved = times(s_1, way)
-        k, along = 1.0 / h_1, dot(p, way)
-        new = turned(n, e, f, x, y)
-        back = deeper * mean_1 / (mean_1 + mean_2)
-        for axis in range(3):
-            buf[N + axis, q] = new[axis]
-            buf[POINT + axis, q] = p[axis] + (moved[axis] - p[axis] * along) * k - back * new[axis]
-        buf[RADIUS, q], buf[RATIO, q] = pair_shape(s_1, s_2, mean_1, mean_2, h_1, h_2, p, r, xx, xy, yy)
+        along = dot(p, way)
+        nx, ny, nz = n[0] + way[0], n[1] + way[1], n[2] + way[2]
+        off = nx * nx + ny * ny + nz * nz - 1.0
+        unit = 1.0 + off * (-0.5 + 0.375 * off)  # 1/sqrt(1 + off), so near to 1; what is left goes with the next step
+        nx, ny, nz = nx * unit, ny * unit, nz * unit
+        of_both = 1.0 / (mean_1 + mean_2)
+        back = deeper * mean_1 * of_both
+        buf[MEAN, q] = mean_1 * mean_2 * of_both
+        buf[N, q], buf[N + 1, q], buf[N + 2, q] = nx, ny, nz
+        buf[POINT, q] = p[0] + (moved[0] - p[0] * along) * k - back * nx
+        buf[POINT + 1, q] = p[1] + (moved[1] - p[1] * along) * k - back * ny
+        buf[POINT + 2, q] = p[2] + (moved[2] - p[2] * along) * k - back * nz
+        buf[RADIUS, q], buf[RATIO, q] = pair_shape(s_1, s_2, mean_1, mean_2, k, j, p, r, xx, xy, yy)
         buf[GAP, q] = deeper
-        sure = (x * x + y * y < CLOSE * CLOSE) & (determinant > 0.0) & (a + c > 0.0) & (buf[HAD, q] > 0.0)
+        sure = (x * x + y * y < buf[LIMIT, q]) & (determinant > 0.0) & (a + c > 0.0) & (buf[HAD, q] > 0.0)
         sure = sure & (deeper <= DEEP * (h_1 + h_2)) & (deeper > 0.0)
         buf[STATE, q] = APART if g < 0.0 else (TOUCHING if sure else OPEN)
 
 
-@kernel
+@inner
 def look_closely(buf, q, n, sharpest):  # type: ignore[no-untyped-def]
     """What `improve` finds, of one pair from the normal `n` on, however far that is from the common one."""
     s_1, s_2, d = six(buf, S_1, q), six(buf, S_2, q), three(buf, D, q)
     mean_1, mean_2 = buf[MEAN_1, q], buf[MEAN_2, q]
     n, _ = closest(s_1, s_2, d, n, sharpest, buf[HAD, q] > 0.0, False)
-    g, h_1, h_2, p, r, _, _, _, _, xx, xy, yy = look(s_1, s_2, d, n)
+    g, _, _, k, j, p, r, _, _, _, _, xx, xy, yy = look(s_1, s_2, d, n)
     back = g * mean_1 / (mean_1 + mean_2)
     for axis in range(3):
         buf[N + axis, q] = n[axis]
         buf[POINT + axis, q] = p[axis] - back * n[axis]
-    buf[RADIUS, q], buf[RATIO, q] = pair_shape(s_1, s_2, mean_1, mean_2, h_1, h_2, p, r, xx, xy, yy)
+    buf[RADIUS, q], buf[RATIO, q] = pair_shape(s_1, s_2, mean_1, mean_2, k, j, p, r, xx, xy, yy)
     buf[GAP, q] = g
     buf[STATE, q] = TOUCHING if g > 0.0 else APART
 
@@ -108,7 +115,7 @@ def on_wall(buf, q):  # type: ignore[no-untyped-def]
     for axis in range(3):
         buf[POINT + axis, q] = p[axis] - g * n[axis]
     buf[RADIUS, q], buf[RATIO, q] = wall_shape(s, buf[MEAN_1, q], h, p)
-    buf[GAP, q] = g
+    buf[GAP, q], buf[MEAN, q] = g, buf[MEAN_1, q]
     buf[STATE, q] = TOUCHING if g > 0.0 else APART
 
 
@@ -131,7 +138,7 @@ def ended(memory, slip, damping, row):  # type: ignore[no-untyped-def]
 @kernel
 def ellipsoid_forces(  # type: ignore[no-untyped-def]
     law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-    position, velocity, spin, radius, mass, one_mass, surface, bounding, sharpest, frame, dt, span,
+    position, velocity, spin, radius, mass, one_mass, surface, extent, frame, dt, span,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
     """Add the forces (N) and torques (N m) of the pairs `span[0]` to `span[1]`: see `dem.forces.pair_forces`.
@@ -143,19 +150,20 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
     shift, speed, gradient, walls = frame
     row, last = np.uint64(span[0]), np.uint64(span[1])
     pressed, damped, sheared, largest = 0.0, 0.0, 0.0, 0.0
-    shrinking, turning = False, 0.0
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    shrinking, turning, scale = False, 0.0, 1.0 / share
     if tangential is not None:
         shrinking, turning = tangential.shrinking, 1.0 if tangential.turning else 0.0
     while row < last:
         size = np.uint64(0)
         while row < last and size < np.uint64(BLOCK):
-            i, j, reach = first[row], partner[row], bounding[first[row]]
+            i, j, reach = first[row], partner[row], extent[first[row], REACH]
             if image is not None:
                 s = image[row]
                 for a in range(3):
                     buf[D + a, size] = position[j, a] + shift[s, a] - position[i, a]
                     buf[N + a, size] = memory[AXIS + a, row]
-                reach += bounding[j]
+                reach += extent[j, REACH]
             else:
                 for a in range(3):
                     here = a == int(walls[j, 0])
@@ -170,24 +178,28 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
                     for k in range(6):
                         buf[S_2 + k, size] = surface[j, k]
                     buf[MEAN_2, size] = radius[j]
+                    buf[LIMIT, size] = min(extent[i, GRACE], extent[j, GRACE])
                 buf[HAD, size] = memory[BEFORE, row]
                 place[size] = row
-                size += np.uint64(1)
+                size += ONE
             elif memory[BEFORE, row] != 0.0:
                 one, two = ended(memory, slip, damping, row)
                 pressed, damped = pressed + one, damped + two
-            row += np.uint64(1)
+            row += ONE
         if image is not None:
             improve(buf, size)
         else:
             for q in range(size):
                 on_wall(buf, q)
+        # the first body stays the same for a few pairs: its sums wait until it changes
+        current = first[place[0]] if size > np.uint64(0) else first[row - ONE]
+        fx, fy, fz, tx, ty, tz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for q in range(size):
             at = place[q]
             i, j = first[at], partner[at]
             if image is not None:
                 if buf[STATE, q] == OPEN:
-                    look_closely(buf, q, three(memory, AXIS, at), sharpest[i] + sharpest[j])
+                    look_closely(buf, q, three(memory, AXIS, at), extent[i, SHARPEST] + extent[j, SHARPEST])
                     for a in range(3):
                         memory[AXIS + a, at] = buf[N + a, q]
                 elif buf[STATE, q] == TOUCHING:
@@ -202,10 +214,7 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
                     pressed, damped = pressed + one, damped + two
                 continue
             n, p, overlap = three(buf, N, q), three(buf, POINT, q), buf[GAP, q]
-            scale = 1.0 / share
-            mean = buf[MEAN_1, q] * scale
-            if image is not None:
-                mean = buf[MEAN_1, q] * buf[MEAN_2, q] / (buf[MEAN_1, q] + buf[MEAN_2, q]) * scale
+            mean = buf[MEAN, q] * scale
             shape, deep = (buf[RADIUS, q] * scale, buf[RATIO, q], mean), overlap * share
             own = shaped.remembered(law, memory, OF_LAW, at)
             rolled = (memory[ROLLED, at], memory[ROLLED + 1, at], memory[ROLLED + 2, at], memory[ROLLED + 3, at])
@@ -244,10 +253,20 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
                 slip[0, at], slip[1, at], slip[2, at], slip[3, at] = t[0], t[1], t[2], width
                 sheared += work
                 gx, gy, gz = gx - t[0], gy - t[1], gz - t[2]
-            force[i, 0], force[i, 1], force[i, 2] = force[i, 0] - gx, force[i, 1] - gy, force[i, 2] - gz
-            torque[i, 0] -= p[1] * gz - p[2] * gy
-            torque[i, 1] -= p[2] * gx - p[0] * gz
-            torque[i, 2] -= p[0] * gy - p[1] * gx
+            if i != current:
+                force[current, 0], force[current, 1], force[current, 2] = (
+                    force[current, 0] - fx,
+                    force[current, 1] - fy,
+                    force[current, 2] - fz,
+                )
+                torque[current, 0], torque[current, 1], torque[current, 2] = (
+                    torque[current, 0] - tx,
+                    torque[current, 1] - ty,
+                    torque[current, 2] - tz,
+                )
+                fx, fy, fz, tx, ty, tz, current = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, i
+            fx, fy, fz = fx + gx, fy + gy, fz + gz
+            tx, ty, tz = tx + p[1] * gz - p[2] * gy, ty + p[2] * gx - p[0] * gz, tz + p[0] * gy - p[1] * gx
             if image is not None:
                 x, y, z = p[0] - d[0], p[1] - d[1], p[2] - d[2]
                 force[j, 0], force[j, 1], force[j, 2] = force[j, 0] + gx, force[j, 1] + gy, force[j, 2] + gz
@@ -256,12 +275,22 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
                 torque[j, 2] += x * gy - y * gx
             else:
                 reaction[j, 0], reaction[j, 1], reaction[j, 2] = reaction[j, 0] + gx, reaction[j, 1] + gy, reaction[j, 2] + gz
-            for a in range(3):
-                virial[a, 0] += d[a] * gx
-                virial[a, 1] += d[a] * gy
-                virial[a, 2] += d[a] * gz
+            xx, xy, xz = xx + d[0] * gx, xy + d[0] * gy, xz + d[0] * gz
+            yx, yy, yz = yx + d[1] * gx, yy + d[1] * gy, yz + d[1] * gz
+            zx, zy, zz = zx + d[2] * gx, zy + d[2] * gy, zz + d[2] * gz
             if len(network) > 0:
                 network[at, 0], network[at, 1], network[at, 2] = gx, gy, gz
+        force[current, 0] -= fx
+        force[current, 1] -= fy
+        force[current, 2] -= fz
+        torque[current, 0], torque[current, 1], torque[current, 2] = (
+            torque[current, 0] - tx,
+            torque[current, 1] - ty,
+            torque[current, 2] - tz,
+        )
+    virial[0, 0], virial[0, 1], virial[0, 2] = virial[0, 0] + xx, virial[0, 1] + xy, virial[0, 2] + xz
+    virial[1, 0], virial[1, 1], virial[1, 2] = virial[1, 0] + yx, virial[1, 1] + yy, virial[1, 2] + yz
+    virial[2, 0], virial[2, 1], virial[2, 2] = virial[2, 0] + zx, virial[2, 1] + zy, virial[2, 2] + zz
     tally[PRESSED] += pressed
     tally[DAMPED] += damped
     tally[SHEARED] += sheared
@@ -309,7 +338,7 @@ def relative_velocity(velocity, spin, walls, gradient, speed, image, row, i, j, 
 
 def _ellipsoids_on_threads(  # type: ignore[no-untyped-def]
     law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-    position, velocity, spin, radius, mass, one_mass, surface, bounding, sharpest, frame, dt,
+    position, velocity, spin, radius, mass, one_mass, surface, extent, frame, dt,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
     """`ellipsoid_forces` of all pairs of one kind, a share on each thread."""
@@ -317,7 +346,7 @@ def _ellipsoids_on_threads(  # type: ignore[no-untyped-def]
     for part in numba.prange(parts):
         ellipsoid_forces(
             law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-            position, velocity, spin, radius, mass, one_mass, surface, bounding, sharpest, frame, dt,
+            position, velocity, spin, radius, mass, one_mass, surface, extent, frame, dt,
             (count * part // parts, count * (part + 1) // parts),
             force[part], torque[part], virial[part], reaction[part], network, tally[part],
         )  # fmt: skip
@@ -338,7 +367,7 @@ def forces_of_ellipsoids(groups, bodies, shapes, frame, dt, force, torque, viria
             roles.normal, roles.tangential, roles.damper, roles.share, roles.rates,
             rows.first, rows.partner, rows.image, past.memory, past.slip, past.damping,
             bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.mass, bodies.one_mass,
-            shapes.surface, shapes.bounding, shapes.sharpest,
+            shapes.surface, shapes.extent,
             frame, dt, (np.int64(0), len(rows.first)), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
         )  # fmt: skip
 
@@ -355,6 +384,6 @@ def forces_of_ellipsoids_on_threads(groups, bodies, shapes, frame, dt, force, to
             roles.normal, roles.tangential, roles.damper, roles.share, roles.rates,
             rows.first, rows.partner, rows.image, past.memory, past.slip, past.damping,
             bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.mass, bodies.one_mass,
-            shapes.surface, shapes.bounding, shapes.sharpest,
+            shapes.surface, shapes.extent,
             frame, dt, force, torque, virial, reaction, nothing, tally,
         )  # fmt: skip

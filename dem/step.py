@@ -97,13 +97,13 @@ def move_everything(threaded, bodies, force, torque, before, fade, after, dt, ca
 
 
 def _turn_on_threads(  # type: ignore[no-untyped-def]
-    orientation, momentum, inertia, axes, surface, spin, torque, before, fade, after, dt, sums
+    orientation, momentum, ease, axes, surface, spin, torque, before, fade, after, dt, sums
 ):
     """`turn` of all ellipsoids, a share on each thread; what it returns goes into the rows of `sums`."""
     parts, count = len(sums), len(orientation)
     for part in numba.prange(parts):
         sums[part, 0] += turn(
-            orientation, momentum, inertia, axes, surface, spin, torque, before, fade, after, dt,
+            orientation, momentum, ease, axes, surface, spin, torque, before, fade, after, dt,
             count * part // parts, count * (part + 1) // parts,
         )  # fmt: skip
 
@@ -120,7 +120,7 @@ def move_ellipsoids(threaded, bodies, shapes, force, torque, before, fade, after
             force, torque, before, fade, after, dt, carried, stretch, back, 0, len(bodies.position),
         )  # fmt: skip
         sums[0, 0] += turn(
-            shapes.orientation, shapes.momentum, shapes.inertia, shapes.axes, shapes.surface, bodies.spin,
+            shapes.orientation, shapes.momentum, shapes.ease, shapes.axes, shapes.surface, bodies.spin,
             torque, before, fade, after, dt, 0, len(bodies.position),
         )  # fmt: skip
     else:
@@ -129,7 +129,7 @@ def move_ellipsoids(threaded, bodies, shapes, force, torque, before, fade, after
             force, torque, before, fade, after, dt, carried, stretch, back, sums,
         )  # fmt: skip
         turn_on_threads(
-            shapes.orientation, shapes.momentum, shapes.inertia, shapes.axes, shapes.surface, bodies.spin,
+            shapes.orientation, shapes.momentum, shapes.ease, shapes.axes, shapes.surface, bodies.spin,
             torque, before, fade, after, dt, sums,
         )  # fmt: skip
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from contactlaws import dispatch, pair, shaped
 from dem.box import Box
-from dem.ellipsoid_forces import AXIS, BEFORE, OF_LAW, PUSH, ellipsoid_forces
+from dem.ellipsoid_forces import AXIS, BEFORE, OF_LAW, PUSH, REACH, ellipsoid_forces
 from dem.forces import LOST, PRESSED, TALLIES, Bodies, Frame, Past, Roles, Rows, pair_forces
 from dem.laws import in_time, known_law
 from dem.motion import Deformation, Listed, advance
@@ -79,7 +79,7 @@ class Working(NamedTuple):
     @property
     def reaches(self) -> FloatArray:
         """How far in m each body goes from its centre at most."""
-        return self.radii if self.shapes is None else self.shapes.bounding
+        return self.radii if self.shapes is None else self.shapes.extent[:, REACH]
 
     @property
     def masses(self) -> FloatArray:
@@ -126,7 +126,7 @@ def working(scene: Scene) -> Working:
     shapes = None
     if bodies.axes is not None and bodies.orientation is not None:
         shapes = shapes_of(bodies.axes[order], bodies.orientation[order], masses, spin)
-    threads, skin, widest = scene.threads, scene.skin, float((radii if shapes is None else shapes.bounding).max(initial=0.0))
+    threads, skin, widest = scene.threads, scene.skin, float((radii if shapes is None else shapes.extent[:, REACH]).max(initial=0.0))
     work = Working(
         bodies=Bodies(
             position=bodies.position[order],
@@ -356,7 +356,7 @@ def forces_between(work: Working) -> list[FloatArray]:
         else:
             physics = (roles.normal, roles.tangential, roles.damper, roles.share, roles.rates)
             b, s = work.bodies, work.shapes
-            places = (b.position, b.velocity, b.spin, b.radius, b.mass, b.one_mass, s.surface, s.bounding, s.sharpest)
+            places = (b.position, b.velocity, b.spin, b.radius, b.mass, b.one_mass, s.surface, s.extent)
             ellipsoid_forces(*physics, *rows, past.memory, past.slip, past.damping, *places, frame, 0.0, span, *sums, network, tally)
         found.append(network)
     return found
