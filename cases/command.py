@@ -14,6 +14,7 @@ import typer
 
 from cases.arguments import option, spread
 from cases.command_atlas import ellipsoid, identify, predict
+from cases.command_export import export
 from cases.command_prony import prony
 from cases.command_tradeoff import tournament, tradeoff
 
@@ -260,7 +261,23 @@ def laws() -> None:
     console.show_laws(registered())
 
 
-for _command in (run, reference, fit, prony, predict, identify, ellipsoid, impact, simulate, tournament, status, report, doctor, laws):
+for _command in (
+    run,
+    reference,
+    fit,
+    prony,
+    predict,
+    identify,
+    ellipsoid,
+    impact,
+    export,
+    simulate,
+    tournament,
+    status,
+    report,
+    doctor,
+    laws,
+):
     app.command()(_command)
 app.add_typer(tradeoff, name="tradeoff")
 
