@@ -91,6 +91,8 @@ def ellipsoids(
     wrong = []
     if not (math.isfinite(density) and density > 0.0):
         wrong.append(Problem("density", density, "must be a positive finite number", "give it in kg/m3"))
+    if not (np.isfinite(half) & (half > 0.0)).all():
+        wrong.append(Problem("axes", half.min(initial=math.inf), "must be positive and finite", "give half axes in m"))
     if turned.shape == (len(x), 4):
         length = np.linalg.norm(turned, axis=1, keepdims=True)
         if not (np.isfinite(length) & (length > 0.0)).all():
