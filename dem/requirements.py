@@ -258,9 +258,14 @@ COSTS = {"radius": 7.0, "mass": 4.0, "rates": 8.0, "rotation": 5.0, "memory": 30
 
 
 def left_out(scene: Scene, work: Working) -> tuple[str, ...]:
-    """One line for everything that the scene does not need and is not computed: the reason, and what it saves."""
+    """One line for all that the scene does not need and is not computed: the reason, and what it saves; and what ellipsoids carry."""
     pairs = sum(len(group.rows.first) for group in work.groups) / max(work.size, 1)
     lines = []
+    if work.shapes is not None:
+        each = sum(array.nbytes for array in work.shapes) / max(work.size, 1)
+        both = sum(group.past.memory.nbytes for group in work.groups if group.past.memory is not None) / max(work.size, 1)
+        own = f"the turn, inertia and surface of each ({each:.0f} bytes per particle)"
+        lines.append(f"ellipsoids: {own}; normal, shape and work of each contact ({both:.0f} bytes per particle)")
     if all(group.past.slip is None for group in work.groups):
         turning = work.bodies.spin is not None
         saved = _saved((0 if turning else 48) + 32 * pairs, "friction")
@@ -271,7 +276,7 @@ def left_out(scene: Scene, work: Working) -> tuple[str, ...]:
         lines.append(f"one mass: no mass per particle ({_saved(8, 'mass')})")
     for kind, group in zip(work.kinds, work.groups, strict=True):
         law = known_law(kind.contact.normal)
-        if not law.memory:
+        if not (law.memory or shaped.is_shaped(kind.contact.normal)):
             lines.append(f"{law.name} has no memory: no history per contact ({_saved(8 * pairs, 'memory')} for each number of it)")
         if group.roles.rates is None:
             lines.append(f"{law.name} asks for no rates: no relative velocities ({_saved(0, 'rates')})")
