@@ -4,8 +4,8 @@
 
 Three beds: spheres and ellipsoids of the same packing fraction, .635, and ellipsoids of .69. Spheres jam at .64, these ellipsoids above
 .7, so the two kinds begin to bear at the same strain only if they begin as near to where they jam. Without friction, on the elastic law
-(Hertz's, for spheres and for ellipses) or the plastic one (of the sphere and of the ellipsoid, the same for equal axes). What a bed does not
-return went into plastic flow, or, where it is rearranged, into the drag: the energies of each run tell them apart.
+(Hertz's, for spheres and for ellipses) or the plastic one (of the sphere and of the ellipsoid, the same for equal axes). What a bed does
+not return went into plastic flow, or, where it is rearranged, into the drag: the energies of each run tell them apart.
 """
 
 from __future__ import annotations
