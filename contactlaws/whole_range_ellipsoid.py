@@ -59,6 +59,7 @@ def whole_range_ellipsoid(material: Material) -> WholeRangeEllipsoid:
 
     Raises `InputError` for a material that is not plastic.
 
+    >>> from contactlaws.whole_range import whole_range_force
     >>> law = whole_range_ellipsoid(Material(142e9, 0.25, 7.9e9))
     >>> sphere = whole_range(Material(142e9, 0.25, 7.9e9), 5e-6)
     >>> force, _ = whole_range_ellipsoid_force(law, (5e-6, 1.0, 5e-6), 0.5e-6, (0.0,) * 6)
