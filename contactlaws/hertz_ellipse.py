@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from contactlaws.compiled import inlined, kernel
-from contactlaws.contact_ellipse import fast_factors
+from contactlaws.contact_ellipse import fast_mean_factors
 from contactlaws.errors import Problem
 from contactlaws.shaped import ShapedLaw, register
 
@@ -27,14 +27,14 @@ class HertzEllipse(NamedTuple):
 @inlined
 def hertz_ellipse_force(law, shape, overlap, memory):  # type: ignore[no-untyped-def]
     """4/3 E* sqrt(R) (d/f2)^1.5."""
-    x = max(overlap, 0.0) / fast_factors(shape[1])[1]
+    x = max(overlap, 0.0) / fast_mean_factors(shape[1])[1]
     return 4.0 / 3.0 * law.reduced_modulus * math.sqrt(shape[0] * x) * x, memory
 
 
 @inlined
 def hertz_ellipse_contact_radius(law, shape, overlap, memory):  # type: ignore[no-untyped-def]
     """c = f1 (3 F R/(4 E*))^(1/3) = f1 sqrt(R d/f2)."""
-    mean_radius, approach, _ = fast_factors(shape[1])
+    mean_radius, approach = fast_mean_factors(shape[1])
     return mean_radius * math.sqrt(shape[0] * max(overlap, 0.0) / approach)
 
 
@@ -48,7 +48,7 @@ def hertz_ellipse_stored(law, shape, overlap, memory):  # type: ignore[no-untype
 @kernel
 def hertz_ellipse_stiffness_bound(law, shape, overlap):  # type: ignore[no-untyped-def]
     """dF/dd = 2 E* sqrt(R d/f2^3)."""
-    approach = fast_factors(shape[1])[1]
+    approach = fast_mean_factors(shape[1])[1]
     return 2.0 * law.reduced_modulus * math.sqrt(shape[0] * max(overlap, 0.0) / (approach * approach * approach))
 
 

@@ -11,8 +11,11 @@ import pytest
 import dem
 from contactlaws.elastic import Hertz
 from contactlaws.errors import InputError
-from dem.output import DUMP_COLUMNS, write_dump, write_vtu
+from dem.box import Box
+from dem.measure import Network
+from dem.output import DUMP_COLUMNS, dump_text, write_dump, write_vtu
 from dem.packing import Packing
+from dem.record import Frame
 from dem.trajectory import Trajectory
 
 
@@ -65,3 +68,18 @@ def test_no_such_folder(trajectory: Trajectory, tmp_path: Path) -> None:
     for write in (lambda place: write_dump(trajectory, place / "a.dump"), lambda place: write_vtu(trajectory, place)):
         with pytest.raises(InputError):
             write(tmp_path / "nowhere")
+
+
+def test_ellipsoids_are_dumped_with_diameters_and_quaternions() -> None:
+    """As LAMMPS names them: columns after those of spheres, one value for each."""
+    half = np.array([[3.0, 2.0, 1.0], [1.5, 1.0, 0.5]])
+    turns = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]])
+    nothing = np.zeros(0, np.int64)
+    net = Network(nothing, nothing, np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros((0, 3)), nothing)
+    places = (np.arange(6.0).reshape(2, 3), np.zeros((2, 3)), np.zeros(2, np.int64), np.zeros(2))
+    frame = Frame(0, 0.0, Box((10.0, 10.0, 10.0)), np.array([1, 2]), np.cbrt(half.prod(axis=1)), *places, net, half, turns)
+    head, *rows = dump_text(frame, 0).split("ITEM: ATOMS ")[1].splitlines()
+    assert head.split()[-7:] == ["shapex", "shapey", "shapez", "quatw", "quati", "quatj", "quatk"]
+    for row, axes, turn in zip(rows, half, turns, strict=True):
+        assert len(row.split()) == len(head.split())
+        assert [float(value) for value in row.split()[-7:]] == [*(2.0 * axes), *turn]
