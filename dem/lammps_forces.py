@@ -12,7 +12,6 @@ import numpy as np
 
 from contactlaws import dispatch, pair
 from contactlaws.compiled import kernel
-from dem.forces import forget
 
 #: columns of each sphere's sums: half the virial of its contacts in J (9); largest overlap of one body over its radius, at any time; J used
 #: up by contacts that have ended; J taken by the drag; J given by the moving box
@@ -69,9 +68,9 @@ def contact_forces(law, share, position, radius, tag, begin, neighbours, partner
         for s in range(SLOTS):
             if partner[i, s] != 0 and not seen[s]:
                 row = i * SLOTS + s
-                sums[i, LOST] += 0.5 * forget(law, memory[row, floats], share, memory, row)
-                memory[row, floats] = 0.0
-                partner[i, s] = 0
+                stored, dissipated = pair.pair_energy(law, memory[row, floats], 0.0, dispatch.load_state(law, memory, row), share)
+                sums[i, LOST] += 0.5 * (stored + dissipated)
+                partner[i, s], memory[row] = 0, 0.0
         force[i, 0], force[i, 1], force[i, 2] = fx, fy, fz
     return full
 

