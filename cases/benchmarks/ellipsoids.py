@@ -115,10 +115,13 @@ def fastest(tasks: dict[str, Callable[[], None]]) -> dict[str, float]:
 
 
 def without_force(work: Working) -> Working:
-    """The same state under a law that does nothing."""
-    groups = tuple(group._replace(roles=group.roles._replace(normal=NoForce(1.0))) for group in work.groups)
-    copies = tuple(group._replace(past=group.past._replace(memory=group.past.memory.copy())) for group in groups)  # type: ignore[union-attr]
-    return work._replace(groups=copies)
+    """The same state under a law that does nothing, and without friction."""
+    groups = []
+    for group in work.groups:
+        assert group.past.memory is not None
+        roles = group.roles._replace(normal=NoForce(1.0), tangential=None, rates=None)
+        groups.append(group._replace(roles=roles, past=group.past._replace(memory=group.past.memory.copy(), slip=None)))
+    return work._replace(groups=tuple(groups))
 
 
 def advance(works: dict[str, Working], kind: str, steps: int, dt: float) -> None:
