@@ -63,7 +63,7 @@ def whole_range_ellipsoid(material: Material) -> WholeRangeEllipsoid:
     >>> law = whole_range_ellipsoid(Material(142e9, 0.25, 7.9e9))
     >>> sphere = whole_range(Material(142e9, 0.25, 7.9e9), 5e-6)
     >>> force, _ = whole_range_ellipsoid_force(law, (5e-6, 1.0, 5e-6), 0.5e-6, (0.0,) * 6)
-    >>> abs(force / whole_range_force(sphere, 0.5e-6, 0.0, 0.0, (0.0,) * 6)[0] - 1.0) < 1e-12
+    >>> bool(abs(force / whole_range_force(sphere, 0.5e-6, 0.0, 0.0, (0.0,) * 6)[0] - 1.0) < 1e-12)
     True
     """
     sphere = whole_range(material, 1.0)
