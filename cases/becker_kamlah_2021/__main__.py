@@ -18,7 +18,7 @@ from cases.becker_kamlah_2021.data import Study
 from cases.becker_kamlah_2021.facts import Facts, gather
 from cases.becker_kamlah_2021.statements import in_words, judge
 from cases.edmans_sinka_2020.drawing import Drawn, Picture
-from cases.report import plots
+from cases.report import judgement, plots
 from cases.tradeoff.page import write_csv
 from contactlaws.errors import InputError, require
 from contactlaws.files import write_text
@@ -31,7 +31,7 @@ def make(study: Study, named: Named, out: Path) -> Path:
     facts = gather(study, named)
     judgements = judge(facts)
     write_tables(facts, out)
-    write_csv(tables.statements(judgements), out / "statements.csv")
+    write_csv(judgement.rows(judgements), out / "statements.csv")
     drawn = [Drawn(item, plots.svg(item.figure)) for item in pictures(facts)]
     (out / "figures").mkdir(parents=True, exist_ok=True)
     for item in drawn:

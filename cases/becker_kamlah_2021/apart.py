@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.becker_kamlah_2021.data import REACH, Body, Lacking
+from cases.becker_kamlah_2021.data import REACH, Body
 from cases.becker_kamlah_2021.own import Follow, own_law
+from cases.report.judgement import Lacking
 from contactlaws.curve import Curve, FloatArray
 from contactlaws.path import trace
 from contactlaws.rivals.becker_kamlah import BeckerKamlah, becker_kamlah_energy, becker_kamlah_loading, becker_kamlah_recovered

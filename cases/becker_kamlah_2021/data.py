@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from calibration.spheroid_curves import NMC, Spheroid, compute_one, spheroids
+from cases.report.judgement import Lacking
 from contactlaws.contact_ellipse import Factors
 from contactlaws.curve import Curve, FloatArray
 from contactlaws.curve_files import read_curve
@@ -29,10 +30,6 @@ Key = tuple[float, float]  # E/Y (infinite: elastic), nu
 REACH = 0.15
 #: a body of revolution touches in a circle
 CIRCLE = Factors(1.0, 1.0, 1.0)
-
-
-class Lacking(LookupError):
-    """A body that is asked for has not been computed."""
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from cases.becker_kamlah_2021.apart import Loaded, Unloaded, loaded, unloaded
 from cases.becker_kamlah_2021.bodies import Named
-from cases.becker_kamlah_2021.data import Key, Lacking, Study, nmc_key
+from cases.becker_kamlah_2021.data import Key, Study, nmc_key
 from cases.becker_kamlah_2021.joint_fit import Joint, fit_all
 from cases.becker_kamlah_2021.shape_fit import Read, Shape, Together, fit, fit_together, points, readings
-from cases.edmans_sinka_2020.facts import FAILS, HOLDS, PARTLY, UNTESTED, Finding, span, verdict
+from cases.edmans_sinka_2020.facts import span
+from cases.report.judgement import FAILS, HOLDS, PARTLY, UNTESTED, Finding, Lacking, Statement, verdict
 
 __all__ = ["FAILS", "HOLDS", "PARTLY", "UNTESTED", "Facts", "Finding", "Lacking", "Statement", "gather", "span", "verdict"]
 
@@ -56,22 +56,6 @@ class Facts:
         if found is None:
             raise Lacking("enough shapes to fit Eq. 52")
         return found
-
-
-class Statement(NamedTuple):
-    """A statement of the paper in our words, the number that it gives, and how it is judged."""
-
-    place: str  # section, equation or figure
-    claim: str
-    paper: str
-    check: Callable[[Facts], Finding]
-
-    def judged(self, facts: Facts) -> Finding:
-        """The finding; `UNTESTED` where curves are missing."""
-        try:
-            return self.check(facts)
-        except Lacking as lacking:
-            return Finding("—", UNTESTED, f"Not among the curves: {lacking}.")
 
 
 def gather(study: Study, named: Named) -> Facts:

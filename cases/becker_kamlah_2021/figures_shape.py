@@ -10,9 +10,10 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from cases.becker_kamlah_2021.data import Key, Lacking, nmc_key
+from cases.becker_kamlah_2021.data import Key, nmc_key
 from cases.becker_kamlah_2021.shape_fit import Read, fit, points, published
 from cases.edmans_sinka_2020.drawing import GREY, Picture, beside, new_figure, styled
+from cases.report.judgement import Lacking
 from cases.report.plots import COLOURS
 
 RELATIVE = r"$R_e/\hat r$"

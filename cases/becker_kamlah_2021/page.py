@@ -9,18 +9,18 @@ import numpy as np
 
 from cases.becker_kamlah_2021 import own, tables
 from cases.becker_kamlah_2021.data import nmc_key
-from cases.becker_kamlah_2021.facts import FAILS, HOLDS, PARTLY, QUANTITIES, READINGS, UNTESTED, Facts
+from cases.becker_kamlah_2021.facts import QUANTITIES, READINGS, Facts
 from cases.becker_kamlah_2021.joint_fit import NAMES
 from cases.becker_kamlah_2021.shape_fit import FASTEST, SLOWEST, Shape
-from cases.becker_kamlah_2021.statements import GROUPS, Judgement, in_words
+from cases.becker_kamlah_2021.statements import in_words
 from cases.console import number
 from cases.edmans_sinka_2020.drawing import Drawn
-from cases.edmans_sinka_2020.wording import Block, prose, subscripts, table, text
+from cases.edmans_sinka_2020.wording import Block, figure, statements, table, text
 from cases.report import parts
+from cases.report.judgement import Judgement
 from cases.tradeoff.page import write_page
 from contactlaws.rivals.becker_kamlah import PRESSURE_CONSTANTS, RADIUS_CONSTANTS
 
-SIGNS = {HOLDS: "✓", PARTLY: "◐", FAILS: "✗", UNTESTED: "–"}
 TITLE = "Elastoplastic ellipsoids: the law of Becker & Kamlah (2021), done again"
 NOT_REDONE = (
     "Figs. 1 to 8 are sketches and the mesh; Fig. 14 shows the pressure along both axes of a triaxial contact, which a solver of bodies of "
@@ -212,26 +212,11 @@ def _together(facts: Facts) -> Iterator[Block]:
 
 def _statements(judgements: Sequence[Judgement]) -> Iterator[Block]:
     yield text("In our words, with the place in the paper. The verdict is computed from our curves.")
-    for group, _ in GROUPS:
-        yield text(group + ":")
-        rows = [
-            (
-                item.statement.place,
-                item.statement.claim,
-                item.statement.paper,
-                item.finding.ours,
-                f"{SIGNS[item.finding.verdict]} {item.finding.verdict}",
-                item.finding.reason,
-            )
-            for item in judgements
-            if item.group == group
-        ]
-        yield prose(("place", "statement", "paper", "ours", "verdict", "remark"), rows)
+    yield from statements(judgements)
 
 
 def _figure(item: Drawn) -> Block:
-    head = f"Fig. {item.picture.number}. " if item.picture.number else "Beyond the paper. "
-    return {"kind": "figures", "figures": [{"svg": item.svg, "caption": subscripts(head + item.picture.caption)}]}
+    return figure(item.picture.number, item.svg, item.picture.caption)
 
 
 def _sources(facts: Facts) -> Iterator[Block]:

@@ -86,7 +86,7 @@ def overlap_of_first_yield(facts: Facts) -> Finding:
     )
 
 
-STATEMENTS = (
+STATEMENTS: tuple[Statement[Facts], ...] = (
     Statement("Eq. 4", "f1 and f2 follow from the ratio of curvatures by two powers", "1 for a sphere", factors),
     Statement("Eq. 7", "e² = 1 − (A/B)^(4/3)", "—", eccentricity),
     Statement("5, Fig. 14", "The contact of the first pair has the eccentricity 0.65", "e = 0.65", first_case_eccentricity),

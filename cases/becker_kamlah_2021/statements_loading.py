@@ -234,7 +234,7 @@ def creates_no_energy(facts: Facts) -> Finding:
     return Finding(ours, FAILS if creating else verdict(True), reason)
 
 
-STATEMENTS = (
+STATEMENTS: tuple[Statement[Facts], ...] = (
     Statement("3, Fig. 9", "Beyond yield the profile becomes a region of uniform pressure with a sharp drop at its edge", "—", flattens),
     Statement("3", "Fully plastic where the largest pressure is some three times Y", "3 Y", three_times),
     Statement("3.3, Eq. 31", "In the fully plastic regime the pressure stays at λ_max Y, the force rises on a straight line", "—", stays),

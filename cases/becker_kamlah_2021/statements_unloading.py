@@ -120,7 +120,7 @@ def second_case(facts: Facts) -> Finding:
     return Finding(ours, verdict(abs(law.radius_ratio / 2.94 - 1.0) < 0.01, False), f"2.94 belongs to R_e/r = {other:.4f}.")
 
 
-STATEMENTS = (
+STATEMENTS: tuple[Statement[Facts], ...] = (
     Statement("3.4, Eqs. 34, 44", "The overlap that is left after unloading", "δ* (1 − R_e/R_ep)", residual_overlap),
     Statement("3.4", "Unloading is Hertz's of a flatter body: a power 1.5 of the overlap", "1.5", hertzian_unloading),
     Statement("3.4, 6", "The law follows finite elements on unloading", "—", unloading_force),

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 from cases.becker_kamlah_2021.data import Key
 from cases.becker_kamlah_2021.facts import Facts
 from cases.becker_kamlah_2021.joint_fit import NAMES
 from cases.becker_kamlah_2021.shape_fit import Read, published
-from cases.becker_kamlah_2021.statements import Judgement
 
 Row = dict[str, Any]
 #: of Eq. 52, by quantity
@@ -114,19 +112,3 @@ def together(facts: Facts) -> list[Row]:
                     }
                 )
     return rows
-
-
-def statements(judgements: Sequence[Judgement]) -> list[Row]:
-    """One row for each statement."""
-    return [
-        {
-            "group": item.group,
-            "place": item.statement.place,
-            "statement": item.statement.claim,
-            "paper": item.statement.paper,
-            "ours": item.finding.ours,
-            "verdict": item.finding.verdict,
-            "reason": item.finding.reason,
-        }
-        for item in judgements
-    ]

@@ -25,8 +25,8 @@ from cases.edmans_sinka_2020.drawing import Drawn, Picture
 from cases.edmans_sinka_2020.facts import NU, Facts
 from cases.edmans_sinka_2020.inside import Inside
 from cases.edmans_sinka_2020.refit import Refit, refits
-from cases.edmans_sinka_2020.statements import judge, tally
-from cases.report import plots
+from cases.edmans_sinka_2020.statements import judge
+from cases.report import judgement, plots
 from cases.tradeoff.page import write_csv
 from contactlaws.errors import InputError, require
 from contactlaws.files import write_text
@@ -50,14 +50,16 @@ def make(
         "materials": tables.materials(study),
         "errors_of_equation_3": errors,
         "constants_of_equation_3": tables.constants(found),
-        "statements": tables.statements(judgements),
+        "statements": judgement.rows(judgements),
     }.items():
         write_csv(table, out / f"{name}.csv")
     drawn = [Drawn(item, plots.svg(item.figure)) for item in shown]
     (out / "figures").mkdir(exist_ok=True)
     for item in drawn:
         write_text(out / "figures" / f"{item.picture.name}.svg", item.svg)
-    print(f"{len(rows)} unloadings, {len(drawn)} figures; statements: {', '.join(f'{n} {v}' for v, n in tally(judgements).items())}")
+    print(
+        f"{len(rows)} unloadings, {len(drawn)} figures; statements: {', '.join(f'{n} {v}' for v, n in judgement.tally(judgements).items())}"
+    )
     return page.write(out / "edmans_sinka_2020.html", study, judgements, drawn, found, errors)
 
 

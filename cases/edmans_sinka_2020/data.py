@@ -20,10 +20,6 @@ FloatArray = npt.NDArray[np.float64]
 Key = tuple[float, float]  # E/Y, nu
 
 
-class Lacking(LookupError):
-    """A material, an overlap or a field that is asked for has not been computed."""
-
-
 @dataclass(frozen=True)
 class Points:
     """Unloadings as columns, one row each; D is the overlap over the radius, forces are over pi R^2 Y."""

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from cases.edmans_sinka_2020.data import Lacking, Points, Study, force_unit
+from cases.edmans_sinka_2020.data import Points, Study, force_unit
 from cases.edmans_sinka_2020.inside import Inside
 from cases.edmans_sinka_2020.refit import Refit
+from cases.report.judgement import FAILS, HOLDS, PARTLY, UNTESTED, Finding, Lacking, Statement, verdict
 from contactlaws.curve import Curve
 
 FloatArray = npt.NDArray[np.float64]
 
-HOLDS, PARTLY, FAILS, UNTESTED = "holds", "holds partly", "does not hold", "not tested"
 NU = 0.3
 
 __all__ = ["FAILS", "HOLDS", "NU", "PARTLY", "UNTESTED", "Facts", "Finding", "Lacking", "Statement", "span", "verdict"]
-
-
-class Finding(NamedTuple):
-    """What was found about a statement."""
-
-    ours: str
-    verdict: str
-    reason: str
 
 
 class Loading(NamedTuple):
@@ -36,22 +27,6 @@ class Loading(NamedTuple):
     depth: FloatArray
     force: FloatArray
     contact_radius: FloatArray
-
-
-class Statement(NamedTuple):
-    """A statement of the paper in our words, the number that it gives, and how it is judged."""
-
-    place: str  # section, equation or figure
-    claim: str
-    paper: str
-    check: Callable[[Facts], Finding]
-
-    def judged(self, facts: Facts) -> Finding:
-        """The finding; `UNTESTED` where curves are missing."""
-        try:
-            return self.check(facts)
-        except Lacking as lacking:
-            return Finding("—", UNTESTED, f"needs {lacking}, which is not among the curves.")
 
 
 @dataclass(frozen=True)
@@ -106,11 +81,6 @@ class Facts:
             if (found.reading, found.measure) == (reading, measure):
                 return found
         raise Lacking(f"the refit {reading}, {measure}")
-
-
-def verdict(whole: bool, part: bool = True) -> str:
-    """The verdict where a statement holds as a whole, in part, or not."""
-    return HOLDS if whole else PARTLY if part else FAILS
 
 
 def span(values: FloatArray | list[float], form: str = ".3g") -> str:

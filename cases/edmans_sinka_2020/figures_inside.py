@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from cases.edmans_sinka_2020.data import Lacking
 from cases.edmans_sinka_2020.drawing import Picture, beside, colour_of_depth, colour_of_modulus, new_figure, panel_titles, styled
 from cases.edmans_sinka_2020.inside import DEPTHS, Inside
+from cases.report.judgement import Lacking
 
 SHOWN = (10.0, 1000.0)
 

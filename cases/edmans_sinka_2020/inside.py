@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 
 from cases.batch.sources import meaning_hash
 from cases.batch.store import hash_of
-from cases.edmans_sinka_2020.data import Lacking
+from cases.report.judgement import Lacking
 from cases.report.plots import Field
 from contactlaws.files import write_atomically
 from contactlaws.material import Material

@@ -11,13 +11,10 @@ from cases.console import number
 from cases.edmans_sinka_2020 import page_equation_3, paper, tables
 from cases.edmans_sinka_2020.data import Study
 from cases.edmans_sinka_2020.drawing import Drawn
-from cases.edmans_sinka_2020.facts import FAILS, HOLDS, PARTLY, UNTESTED
 from cases.edmans_sinka_2020.refit import Refit
-from cases.edmans_sinka_2020.statements import GROUPS, Judgement, tally
-from cases.edmans_sinka_2020.wording import Block, prose, subscripts, table, text
+from cases.edmans_sinka_2020.wording import Block, figure, statements, table, text
+from cases.report.judgement import Judgement, tally
 from cases.tradeoff.page import write_page
-
-SIGNS = {HOLDS: "✓", PARTLY: "◐", FAILS: "✗", UNTESTED: "–"}
 
 TITLE = "Unloading of elastic-plastic spheres: the study of Edmans & Sinka (2020), done again"
 NOT_REDONE = (
@@ -79,28 +76,11 @@ def _summary(study: Study, judgements: Sequence[Judgement]) -> Iterator[Block]:
 
 def _statements(judgements: Sequence[Judgement]) -> Iterator[Block]:
     yield text("In our words, with the place in the paper. The verdict is computed from our curves; “not tested” says what is lacking.")
-    for group, _ in GROUPS:
-        yield text(group + ":")
-        yield prose(
-            ("place", "statement", "paper", "ours", "verdict", "remark"),
-            [
-                (
-                    item.statement.place,
-                    item.statement.claim,
-                    item.statement.paper,
-                    item.finding.ours,
-                    f"{SIGNS[item.finding.verdict]} {item.finding.verdict}",
-                    item.finding.reason,
-                )
-                for item in judgements
-                if item.group == group
-            ],
-        )
+    yield from statements(judgements)
 
 
 def _figure(item: Drawn) -> Block:
-    head = f"Fig. {item.picture.number}. " if item.picture.number else "Beyond the paper. "
-    return {"kind": "figures", "figures": [{"svg": item.svg, "caption": subscripts(head + item.picture.caption)}]}
+    return figure(item.picture.number, item.svg, item.picture.caption)
 
 
 def _materials(study: Study) -> Iterator[Block]:

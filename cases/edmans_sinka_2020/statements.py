@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Sequence
-from typing import NamedTuple
-
 from cases.edmans_sinka_2020 import statements_cylinder, statements_exponent, statements_loading, statements_models, statements_stiffness
-from cases.edmans_sinka_2020.facts import Facts, Finding, Statement
+from cases.edmans_sinka_2020.facts import Facts
+from cases.report import judgement
+from cases.report.judgement import Judgement
 
 GROUPS = (
     ("Loading, first yield, energy", statements_loading.STATEMENTS),
@@ -18,19 +16,6 @@ GROUPS = (
 )
 
 
-class Judgement(NamedTuple):
-    """A statement and what was found."""
-
-    group: str
-    statement: Statement
-    finding: Finding
-
-
 def judge(facts: Facts) -> list[Judgement]:
     """All of them."""
-    return [Judgement(group, statement, statement.judged(facts)) for group, statements in GROUPS for statement in statements]
-
-
-def tally(judgements: Sequence[Judgement]) -> dict[str, int]:
-    """How many have which verdict."""
-    return dict(Counter(judgement.finding.verdict for judgement in judgements))
+    return judgement.judge(GROUPS, facts, "needs {}, which is not among the curves.")

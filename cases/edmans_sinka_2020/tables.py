@@ -8,7 +8,6 @@ from typing import Any
 from cases.edmans_sinka_2020 import paper
 from cases.edmans_sinka_2020.data import Points, Study, force_unit
 from cases.edmans_sinka_2020.refit import READINGS, Refit, percentiles, relative_errors
-from cases.edmans_sinka_2020.statements import Judgement
 from contactlaws.edmans_sinka import FIRST_YIELD
 
 Row = dict[str, Any]
@@ -71,20 +70,4 @@ def constants(refits: Sequence[Refit]) -> list[Row]:
             **{f"standard_error_{i}": value for i, value in enumerate(found.standard_errors, 1)},
         }
         for found in refits
-    ]
-
-
-def statements(judgements: Sequence[Judgement]) -> list[Row]:
-    """One row for each statement."""
-    return [
-        {
-            "group": item.group,
-            "place": item.statement.place,
-            "statement": item.statement.claim,
-            "paper": item.statement.paper,
-            "ours": item.finding.ours,
-            "verdict": item.finding.verdict,
-            "reason": item.finding.reason,
-        }
-        for item in judgements
     ]

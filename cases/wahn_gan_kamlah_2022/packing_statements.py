@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cases.edmans_sinka_2020.facts import UNTESTED, verdict
+from cases.report.judgement import UNTESTED, verdict
 from cases.wahn_gan_kamlah_2022.jamming import Exponents
 from cases.wahn_gan_kamlah_2022.packing_facts import (
     LATE,

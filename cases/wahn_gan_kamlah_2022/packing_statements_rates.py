@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from cases.edmans_sinka_2020.facts import PARTLY, UNTESTED, verdict
+from cases.report.judgement import PARTLY, UNTESTED, verdict
 from cases.wahn_gan_kamlah_2022.jamming import Exponents
 from cases.wahn_gan_kamlah_2022.numbers import half_space, pair_at
 from cases.wahn_gan_kamlah_2022.packing_facts import (
