@@ -17,7 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from calibration.whole_range_shape_data import Pressed, Unloading, read_folder
-from contactlaws.whole_range_shape import shaped_area, shaped_loading, shaped_recovered, shaped_terms
+from contactlaws import whole_range_shape_constants
+from contactlaws.whole_range_shape import constants_of, shaped_area, shaped_loading, shaped_recovered, shaped_terms
 from contactlaws.whole_range_unloading import shape
 
 FloatArray = npt.NDArray[np.float64]
@@ -67,12 +68,10 @@ def _between(body: Pressed, depth: FloatArray) -> FloatArray:
 
 def all_errors(table: Mapping[str, FloatArray], bodies: Sequence[Pressed]) -> list[Errors]:
     """Of all unloadings up to `DEEPEST`."""
-    from calibration.whole_range_shape_fit import contracted
-
     found = []
     for body in bodies:
         if not body.elastic:
-            c = contracted(dict(table), body.law.poissons_ratio)
+            c = constants_of(table, body.law.poissons_ratio)
             found += [errors(body, c, one) for one in body.unloadings if one.depth * body.local[1] <= DEEPEST * 1.001]
     return found
 
@@ -94,13 +93,10 @@ def report(table: Mapping[str, FloatArray], bodies: Sequence[Pressed]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """See the module."""
-    from contactlaws import whole_range_shape_constants as constants
-    from contactlaws.whole_range_shape import EXTENTS
-
     parser = argparse.ArgumentParser(prog="python -m calibration.whole_range_shape_errors", description=__doc__)
     parser.add_argument("folder", type=Path)
     options = parser.parse_args(arguments)
-    print(report({name: getattr(constants, name) for name in EXTENTS}, list(read_folder(options.folder))))
+    print(report(vars(whole_range_shape_constants), list(read_folder(options.folder))))
 
 
 if __name__ == "__main__":

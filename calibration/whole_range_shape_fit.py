@@ -21,10 +21,12 @@ import numpy.typing as npt
 from scipy.optimize import least_squares
 
 from calibration.whole_range_shape_data import Pressed, read_folder
+from calibration.whole_range_shape_errors import report
 from contactlaws.compiled import kernel
 from contactlaws.sources import ROOT
 from contactlaws.whole_range_shape import (
     EXTENTS,
+    constants_of,
     root_of_size,
     shaped_area,
     shaped_loading,
@@ -52,11 +54,6 @@ def empty() -> Table:
     table = {name: np.zeros((*extent, POWERS_OF_NU[name])) for name, extent in EXTENTS.items()}
     table["SATURATION"][...] = 0.6
     return table
-
-
-def contracted(table: Table, nu: float) -> FloatArray:
-    """The constants of a material, as `contactlaws.whole_range_shape` takes them."""
-    return np.concatenate([(table[name] * nu ** np.arange(POWERS_OF_NU[name])).sum(axis=-1).ravel() for name in EXTENTS])
 
 
 def powers(extent: tuple[int, ...], nus: int, values: Sequence[FloatArray], nu: float) -> FloatArray:
@@ -118,7 +115,7 @@ def fit_loading(bodies: Sequence[Pressed], table: Table) -> None:
 
     def misses(x: FloatArray) -> FloatArray:
         trial, found = unpack(x), []
-        constants = {nu: contracted(trial, nu) for nu in {body.law.poissons_ratio for body in plastic}}
+        constants = {nu: constants_of(trial, nu) for nu in {body.law.poissons_ratio for body in plastic}}
         for body in plastic:
             c, keep = constants[body.law.poissons_ratio], body.t > SHALLOWEST
             got = loads(body.law, c, body.local, body.depth[keep])[0]
@@ -146,7 +143,7 @@ Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]  # m, phi, what the
 def _fit(bodies: Sequence[Pressed], table: Table, name: str, rows: Callable[[Pressed, FloatArray], Rows]) -> None:
     matrix, wanted, weight = [], [], []
     for body in bodies:
-        c = contracted(table, body.law.poissons_ratio)
+        c = constants_of(table, body.law.poissons_ratio)
         m, phi, target, weights = rows(body, c)
         matrix.append(powers(EXTENTS[name], POWERS_OF_NU[name], (m, np.array(body.local[2]), phi), body.law.poissons_ratio))
         wanted.append(target)
@@ -231,8 +228,6 @@ def written(table: Table, bodies: Sequence[Pressed]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """See the module."""
-    from calibration.whole_range_shape_errors import report
-
     parser = argparse.ArgumentParser(prog="python -m calibration.whole_range_shape_fit", description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--dry", action="store_true", help="do not write the constants")

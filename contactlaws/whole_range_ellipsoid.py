@@ -25,7 +25,7 @@ from contactlaws.shaped import ShapedLaw, register
 from contactlaws.whole_range import whole_range
 from contactlaws.whole_range_record import WholeRange
 from contactlaws.whole_range_shape import (
-    EXTENTS,
+    constants_of,
     force_terms,
     local_geometry,
     shaped_area,
@@ -66,10 +66,7 @@ def whole_range_ellipsoid(material: Material) -> WholeRangeEllipsoid:
     >>> bool(abs(force / whole_range_force(sphere, 0.5e-6, 0.0, 0.0, (0.0,) * 6)[0] - 1.0) < 1e-12)
     True
     """
-    sphere = whole_range(material, 1.0)
-    nu = material.poissons_ratio
-    tables = (getattr(whole_range_shape_constants, name) for name in EXTENTS)
-    return WholeRangeEllipsoid(sphere, np.concatenate([(table @ nu ** np.arange(table.shape[-1])).ravel() for table in tables]))
+    return WholeRangeEllipsoid(whole_range(material, 1.0), constants_of(vars(whole_range_shape_constants), material.poissons_ratio))
 
 
 @inlined

@@ -15,11 +15,17 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
 
 from contactlaws.compiled import inlined, kernel
 from contactlaws.contact_ellipse import fast_factors
 from contactlaws.whole_range_loading import INDENTATION, area_beyond_yield, limit_parts, part_of_elastic
 from contactlaws.whole_range_unloading import recovered_beyond_yield, shape_of_terms
+
+FloatArray = npt.NDArray[np.float64]
 
 #: shapes of the curves that the constants were fitted to; a body beyond is taken for the nearest shape with the same curvature
 BLUNTEST = 2.0 ** (4.0 / 3.0)  # R/r of 1 : 2 : 2; its inverse is that of 1 : .5 : .5
@@ -33,6 +39,14 @@ _STARTS = itertools.accumulate(map(math.prod, EXTENTS.values()), initial=0)
 FORCE, AREA, YIELD, LIMIT, BEND, LAG, ONSET, SPREAD, RESIDUAL, ROUND, SATURATION = (
     (start, *extent) for start, extent in zip(_STARTS, EXTENTS.values(), strict=False)
 )
+
+
+def constants_of(tables: Mapping[str, FloatArray], nu: float) -> FloatArray:
+    """The constants of one material, of Poisson's ratio `nu`: what all functions below take as c, shape (constants,); they have no units.
+
+    `tables` has a polynomial in nu for each of them, under the names of `EXTENTS`: shape (*extent, powers of nu from 0 on).
+    """
+    return np.concatenate([(tables[name] @ nu ** np.arange(tables[name].shape[-1])).ravel() for name in EXTENTS])
 
 
 @inlined
