@@ -12,6 +12,7 @@ from cases.becker_kamlah_2021.data import REACH, Body, Study, nmc_key
 from cases.edmans_sinka_2020.drawing import GREY, Picture, new_figure, styled
 from cases.report.plots import COLOURS
 from contactlaws.curve import FloatArray
+from contactlaws.ellipsoid_contact import of_pair
 from contactlaws.path import trace
 from contactlaws.rivals.becker_kamlah import FIRST, BeckerKamlah
 from contactlaws.rivals.becker_kamlah_ellipsoid import becker_kamlah_separation
@@ -72,9 +73,8 @@ def path(case: Case, body: Body) -> Figure:
     else:
         draw(law._replace(pressure_ratio=FIRST), "--", OTHER, "elastic-fully plastic")
     draw(law, "-", PUBLISHED, "published law")
-    gap = case.gap  # each of two equal bodies is one on the flat at half the overlap
-    ours = own.of_shape(PAPERS, (2.0 * gap.effective_radius, gap.larger / gap.smaller, case.mean_radius))
-    axis.plot(overlap / limit, ours(0.5 * overlap) / force, "-", color=OURS_PAIR, lw=0.9, label=f"{own.NAME} of the pair")
+    ours = of_pair(PAPERS, case.scaled(case.first), PAPERS, case.scaled(case.second))
+    axis.plot(overlap / limit, ours.along(overlap).force / force, "-", color=OURS_PAIR, lw=0.9, label=f"{own.NAME} of the pair")
     for branch in (0, *body.curve.unloadings):
         rows = body.curve.rows(branch)
         x = body.curve.overlap[rows] / body.yield_overlap

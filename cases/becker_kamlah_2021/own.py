@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
-from contactlaws import shaped
 from contactlaws.curve import Curve, FloatArray
-from contactlaws.material import Material
-from contactlaws.whole_range_ellipsoid import whole_range_ellipsoid
+from contactlaws.ellipsoid_contact import on_flat
 
 #: as figures and tables call it
 NAME = "our law"
@@ -21,18 +17,6 @@ def own_law(curve: Curve) -> Follow | None:
     """Our law of the body of a curve, from its shape and its material alone; None of an elastic body."""
     if curve.material is None or curve.material.yield_stress is None:
         return None
-    return of_shape(curve.material, (curve.radius * curve.aspect**2, 1.0, curve.radius * curve.aspect ** (2.0 / 3.0)))
-
-
-def of_shape(material: Material, shape: tuple[float, float, float]) -> Follow:
-    """Our law of one body on the flat; shape as in `contactlaws.shaped`."""
-    law = whole_range_ellipsoid(material)
-
-    def follow(overlap: FloatArray) -> FloatArray:
-        memory, found = shaped.untouched(law), []
-        for value in overlap.tolist():
-            force, memory = shaped.force(law, shape, value, memory)
-            found.append(force)
-        return np.array(found)
-
-    return follow
+    across = curve.radius * curve.aspect
+    contact = on_flat(curve.material, (curve.radius, across, across))
+    return lambda overlap: contact.along(overlap).force

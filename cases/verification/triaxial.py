@@ -25,9 +25,8 @@ import numpy.typing as npt
 
 from calibration.spheroid_curves import NMC
 from cases.benchmarks.calculix import GAP_PULL, GAP_STIFFNESS, installed
+from contactlaws.ellipsoid_contact import on_flat
 from contactlaws.errors import InputError, Problem
-from contactlaws.shaped import force as law_force
-from contactlaws.whole_range_ellipsoid import whole_range_ellipsoid
 from fem.profile import load_gmsh
 
 FloatArray = npt.NDArray[np.float64]
@@ -115,18 +114,6 @@ def press(axes: tuple[float, float, float], size: float) -> FloatArray:
     return np.array([np.interp(moment, [0.0, 1.0, 2.0], [0.0, LARGEST * mean, LEAST * LARGEST * mean]), 4.0 * force])
 
 
-def law_curve(axes: tuple[float, float, float], overlap: FloatArray) -> FloatArray:
-    """Force over Y of our law along a path."""
-    a, b, c = axes
-    law = whole_range_ellipsoid(NMC)
-    shape = (b * c / a, max(b / c, c / b) ** 2, math.prod(axes) ** (1.0 / 3.0))
-    memory, found = (0.0,) * 6, []
-    for depth in overlap:
-        load, memory = law_force(law, shape, float(depth), memory)
-        found.append(load)
-    return np.array(found)
-
-
 def mean_error(overlap: FloatArray, force: FloatArray, own: FloatArray) -> float:
     """Along load, unload and reload, in proportion to the way, over the largest force."""
     top = int(overlap.argmax())
@@ -163,7 +150,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         if not path.exists():
             np.savetxt(path, press((a, b, c), options.size).T, delimiter=",", header="overlap over a, force over Y a^2", fmt="%.9g")
         overlap, force = np.loadtxt(path, delimiter=",").T
-        own = law_curve((a, b, c), overlap)
+        own = on_flat(NMC, (a, b, c)).along(overlap).force
         top = int(overlap.argmax())
         print(
             f"{name}: mean error of the force {100.0 * mean_error(overlap, force, own):.2f} % of the largest, "
