@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 import fem
-from cases.benchmarks import calculix
+from cases import calculix
+from cases.benchmarks import calculix_deck
 from contactlaws.curve import Curve
 from contactlaws.material import Material
 from contactlaws.prony import PronyViscoelastic, Relaxation, uniaxial
@@ -106,14 +107,14 @@ def by_calculix(material: Material, curve: Curve) -> calculix.Result:
     # eight-node elements of twice the size; a little of the force is left, as a body that hangs free is singular
     section = spheroid(resolution_for(TOLERANCE).divisions // 2, core_size(largest, largest))
     stops = [largest, separation + 0.02 * (largest - separation)]
-    return calculix.run(calculix.quadratic(section), material, stops, CALCULIX_INCREMENTS, CALCULIX_TIMEOUT)
+    return calculix_deck.run(calculix_deck.quadratic(section), material, stops, CALCULIX_INCREMENTS, CALCULIX_TIMEOUT)
 
 
 def loading_difference(curve: Curve, other: calculix.Result) -> float:
     """Work of our loading over that of CalculiX, beyond the first fifth, minus 1."""
     rows = curve.rows(0)
     last = int(np.argmax(other.overlap))
-    x, force = other.overlap[: last + 1], other.force[: last + 1]
+    x, force = other.overlap[: last + 1], other.force[1, : last + 1]
     beyond = x >= 0.2 * x[-1]
     ours = np.interp(x[beyond], curve.overlap[rows], curve.force[rows])
     return float(np.trapezoid(ours, x[beyond]) / np.trapezoid(force[beyond], x[beyond]) - 1.0)
@@ -125,7 +126,7 @@ def unloading_difference(curve: Curve, other: calculix.Result) -> float:
     start = int(np.argmax(other.overlap))
     eighth = curve.force[rows][0] / 8.0
     ours = float(np.interp(eighth, curve.force[rows][::-1], curve.overlap[rows][::-1]))
-    theirs = float(np.interp(eighth, other.force[start:][::-1], other.overlap[start:][::-1]))
+    theirs = float(np.interp(eighth, other.force[1, start:][::-1], other.overlap[start:][::-1]))
     return (curve.overlap[rows][0] - ours) / (other.overlap[start] - theirs) - 1.0
 
 

@@ -13,10 +13,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
-import re
-import subprocess
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -24,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from calibration.spheroid_curves import NMC
-from cases.benchmarks.calculix import GAP_PULL, GAP_STIFFNESS, installed
+from cases import calculix
 from contactlaws.ellipsoid_contact import on_flat
 from contactlaws.errors import InputError, Problem
 from fem.profile import load_gmsh
@@ -78,40 +74,28 @@ def deck(axes: tuple[float, float, float], size: float) -> str:
     x, cells, surface = mesh(axes, size)
     height, mean = axes[0], math.prod(axes) ** (1.0 / 3.0)
     surface = surface[x[surface, 2] > 0.2 * height]
-    flat = len(x) + 1 + np.arange(len(surface))
+    flat = len(x) + np.arange(len(surface))
     lines = ["*NODE, NSET=BODY", *(f"{k + 1}, {p[0]:.15g}, {p[1]:.15g}, {p[2]:.15g}" for k, p in enumerate(x))]
-    lines += ["*NODE, NSET=FLAT", *(f"{k}, {x[s, 0]:.15g}, {x[s, 1]:.15g}, {height:.15g}" for k, s in zip(flat, surface, strict=True))]
+    lines += ["*NODE, NSET=FLAT", *(f"{k + 1}, {x[s, 0]:.15g}, {x[s, 1]:.15g}, {height:.15g}" for k, s in zip(flat, surface, strict=True))]
     lines += ["*ELEMENT, TYPE=C3D10, ELSET=BODY"]
     lines += [", ".join(map(str, (e + 1, *(nodes + 1)))) for e, nodes in enumerate(cells)]
-    for k, (node, partner) in enumerate(zip(surface, flat, strict=True)):
-        lines += [f"*ELEMENT, TYPE=GAPUNI, ELSET=GAP{k}", f"{len(cells) + 1 + k}, {node + 1}, {partner}"]
-        stiffness = GAP_STIFFNESS * NMC.youngs_modulus * size
-        lines += [f"*GAP, ELSET=GAP{k}", f"{height - x[node, 2]:.15g}, 0., 0., 1., , {stiffness:.6g}, {GAP_PULL}"]
+    lines += calculix.gaps(len(cells) + 1, surface, flat, height - x[surface, 2], "0., 0., 1.", NMC.youngs_modulus * size)
     for axis, name in enumerate(("X", "Y", "Z")):
-        lines += [f"*NSET, NSET={name}", *(f"{k + 1}," for k in np.flatnonzero(abs(x[:, axis]) < 1e-9))]
-    lines += ["*NSET, NSET=TOUCH", *(f"{k + 1}," for k in surface)]
+        lines += calculix.node_set(name, np.flatnonzero(abs(x[:, axis]) < 1e-9))
     lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{NMC.youngs_modulus:.15g}, {NMC.poissons_ratio:.15g}", "*PLASTIC", "1., 0."]
     lines += ["*SOLID SECTION, ELSET=BODY, MATERIAL=M", "*BOUNDARY", "FLAT, 1, 3", "X, 1, 1", "Y, 2, 2"]
     for overlap, count in ((LARGEST * mean, STEPS), (LEAST * LARGEST * mean, BACK)):
         lines += ["*STEP, NLGEOM, INC=2000", "*STATIC", f"{0.3 / count:.6g}, 1., 1e-8, {1.0 / count:.6g}"]
         lines += ["*BOUNDARY", f"Z, 3, 3, {overlap:.15g}"]
-        lines += ["*NODE PRINT, NSET=Z, TOTALS=ONLY", "RF", "*NODE PRINT, NSET=TOUCH", "U", "*END STEP"]
+        lines += ["*NODE PRINT, NSET=Z, TOTALS=ONLY", "RF", "*END STEP"]
     return "\n".join(lines) + "\n"
 
 
 def press(axes: tuple[float, float, float], size: float) -> FloatArray:
     """Overlap (of the height's unit) and force over Y; shape (2, increments), the release included."""
     mean = math.prod(axes) ** (1.0 / 3.0)
-    with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "press.inp").write_text(deck(axes, size))
-        alone = os.environ | {"OMP_NUM_THREADS": "1", "CCX_NPROC_EQUATION_SOLVER": "1", "CCX_NPROC_STIFFNESS": "1"}
-        with open(Path(folder) / "log", "w") as log:
-            subprocess.run([installed() or "ccx", "press"], cwd=folder, env=alone, stdout=log, stderr=subprocess.STDOUT, check=False)
-        number = r"([-+]?\d\.\d+E[-+]\d+)"
-        text = (Path(folder) / "press.dat").read_text()
-    rows = re.findall(rf"total force.*?time\s+{number}\s+{number}\s+{number}\s+{number}", text, flags=re.DOTALL)
-    moment, _, _, force = np.array(rows, dtype=float).reshape(-1, 4).T
-    return np.array([np.interp(moment, [0.0, 1.0, 2.0], [0.0, LARGEST * mean, LEAST * LARGEST * mean]), 4.0 * force])
+    found = calculix.run(deck(axes, size), [LARGEST * mean, LEAST * LARGEST * mean])
+    return np.array([found.overlap, 4.0 * found.force[2]])
 
 
 def mean_error(overlap: FloatArray, force: FloatArray, own: FloatArray) -> float:
@@ -141,7 +125,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--out", type=Path, default=Path("results/triaxial"))
     parser.add_argument("--size", type=float, default=0.035, help="of the elements at the pole of the unit sphere")
     options = parser.parse_args(arguments)
-    if installed() is None:
+    if calculix.installed() is None:
         raise InputError(Problem("ccx", None, "CalculiX is not installed", "install the package calculix-ccx"))
     options.out.mkdir(parents=True, exist_ok=True)
     for name in options.body:
