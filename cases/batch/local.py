@@ -14,8 +14,6 @@ from cases.batch import worker
 from cases.batch.store import Record
 from cases.batch.worker import Job
 
-#: a task whose process has died so often is not tried again in the same run
-DEATHS = 3
 #: what keeps libraries to one thread; kernels of ours take as many as a scene asks for
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -39,7 +37,7 @@ class Died(NamedTuple):
     """The process of a job is gone."""
 
     job: Job
-    times: int = 1  # as often as whoever says so has tried
+    times: int = 1  # how many deaths are the task's own, as far as whoever says so knows
 
 
 Event = Said | Done | Died

@@ -11,10 +11,10 @@ from types import TracebackType
 from typing import Protocol
 
 from cases.batch import store
-from cases.batch.local import DEATHS, Died, Done, Event, LocalProcesses, Said
+from cases.batch.local import Died, Done, Event, LocalProcesses, Said
 from cases.batch.store import Record
 from cases.batch.task import Task
-from cases.batch.worker import Job, Make
+from cases.batch.worker import DEATHS, Job, Make, killed
 from contactlaws.errors import InputError, Problem
 
 
@@ -163,9 +163,7 @@ def _after_death(event: Died, agenda: Agenda, folder: Path, records: dict[str, R
     if found is not None and not found.passing:
         _keep(found, agenda, records, watcher)
     elif not agenda.again(task, event.times):
-        reason = f"its process was killed {DEATHS} times (out of memory?)"
-        record = Record(task.id, task.key, "failed", reason, passing=True, input=task.input)
-        _keep(store.save(folder, record), agenda, records, watcher)
+        _keep(store.save(folder, killed(task)), agenda, records, watcher)
 
 
 def _skipped(task: Task, failed: list[str], records: Mapping[str, Record]) -> Record:

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cases.batch import store
+from cases.batch import attempts, store
 from cases.batch.claims import claimed
 from cases.batch.store import Record
 from cases.batch.task import Task
@@ -22,6 +22,8 @@ from contactlaws.errors import InputError
 from contactlaws.version import code_version
 
 INTERVAL = 0.2  # s between two messages about the same task
+#: a task whose process has died so often is not tried again in the same run
+DEATHS = 3
 
 Report = Callable[[float, str], None]
 Make = Callable[[Task, Path, Mapping[str, Record], Report], tuple[dict[str, str], dict[str, Any], str | None]]
@@ -34,6 +36,7 @@ class Job(NamedTuple):
     folder: str
     made: Mapping[str, Record]  # the records of what it needs
     make: Make | None = None  # what does it; None: the module of its kind in `cases.batch.work`
+    run: str | None = None  # a word for the run, where deaths are counted by `attempts`; None: whoever gave the job sees its process die
 
 
 def serve(pipe: Connection) -> None:
@@ -79,7 +82,27 @@ def perform(job: Job, report: Report = silent) -> Record:
         found = store.load(folder, task.id, task.key, verify=True)
         if found is not None and not found.passing:
             return found
-        return _saved(folder, _made(job, report))
+        if job.run is None:
+            return _saved(folder, _made(job, report))
+        return _noted(job, job.run, report)
+
+
+def _noted(job: Job, run: str, report: Report) -> Record:
+    """Do a job, and leave a note as long as it is not done; one that has killed its process too often is not begun again."""
+    task, folder = job.task, Path(job.folder)
+    if attempts.begun(folder, task, run) >= DEATHS:
+        record = _saved(folder, killed(task))
+    else:
+        attempts.begin(folder, task, run)
+        record = _saved(folder, _made(job, report))
+    attempts.end(folder, task)
+    return record
+
+
+def killed(task: Task) -> Record:
+    """What is recorded of a task whose process has died too often; the next run tries it again."""
+    reason = f"its process was killed {DEATHS} times (out of memory?)"
+    return Record(task.id, task.key, "failed", reason, passing=True, input=task.input)
 
 
 def _made(job: Job, report: Report) -> Record:

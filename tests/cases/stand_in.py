@@ -9,7 +9,7 @@ import errno
 import os
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -103,3 +103,30 @@ def alive(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except OSError:
         return False
+
+
+def prepared(folder: Path) -> Path:
+    """A folder for tasks that `traced` does."""
+    for name in ("logs", "curves", "workers", "tasks"):
+        (folder / name).mkdir()
+    return folder
+
+
+def whole(folder: Path, task: Task) -> bool:
+    """Whether a task that `traced` did is done, and was never begun when it was done already, nor by two at once."""
+    record = store.load(folder, task.id, task.key, verify=True)
+    lines = (folder / "logs" / task.name).read_text().split()
+    return record is not None and record.state == "done" and not {"twice", "overlap"} & set(lines) and "end" in lines[-2:]
+
+
+def begun(folder: Path, tasks: Sequence[Task]) -> int:
+    """How often tasks that `traced` does were begun."""
+    return sum((folder / "logs" / task.name).read_text().split().count("begin") for task in tasks)
+
+
+def run_on_dask(address: str, folder: str, count: int) -> None:
+    """`run_traced` on the workers of a scheduler."""
+    from cases.batch.cluster import DaskCluster
+
+    with DaskCluster(address, Path(folder)) as workers:
+        runner.run([task(f"t{number}") for number in range(count)], Path(folder), workers, Silent(), traced)

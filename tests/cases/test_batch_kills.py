@@ -11,9 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from cases.batch import store
 from tests.cases import stand_in
-from tests.cases.stand_in import alive, run_traced, task
+from tests.cases.stand_in import alive, begun, prepared, run_traced, task, whole
 
 pytestmark = [
     pytest.mark.compiled_only(reason="nothing is compiled here, and starting processes takes long"),
@@ -21,12 +20,6 @@ pytestmark = [
 ]
 
 KILLS, TASKS = 30, 200
-
-
-def prepared(folder: Path) -> Path:
-    for name in ("logs", "curves", "workers", "tasks"):
-        (folder / name).mkdir()
-    return folder
 
 
 def kill_one(folder: Path, chance: random.Random) -> bool:
@@ -39,17 +32,9 @@ def kill_one(folder: Path, chance: random.Random) -> bool:
 
 def judge(folder: Path, lost_at_most: int) -> None:
     """Every task has its whole record; none was begun when it was done, nor while another was at it; few were begun in vain."""
-    begun = 0
-    for number in range(TASKS):
-        one = task(f"t{number}")
-        record = store.load(folder, one.id, one.key, verify=True)
-        assert record is not None, one.id
-        assert record.state == "done", record.reason
-        lines = (folder / "logs" / one.name).read_text().split("\n")[:-1]
-        assert not {"twice", "overlap"} & set(lines), lines
-        assert lines[-1].startswith("end")
-        begun += sum(line.startswith("begin") for line in lines)
-    assert begun - TASKS <= lost_at_most
+    tasks = [task(f"t{number}") for number in range(TASKS)]
+    assert [one.name for one in tasks if not whole(folder, one)] == []
+    assert begun(folder, tasks) - TASKS <= lost_at_most
 
 
 def test_thirty_kills_at_random_moments(tmp_path: Path) -> None:
