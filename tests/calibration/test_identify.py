@@ -19,6 +19,7 @@ from contactlaws.errors import InputError
 ATLAS = interpolator(atlas_file.shipped())
 STEEL = Setting(210e9, 700e6, 0.3, 0.0, 0.0)
 RADIUS = 1e-3
+ONCE = pytest.mark.compiled_only(reason="least squares upon least squares; nothing of them is compiled, so once is enough")
 
 
 def grid(deepest=0.06, recovered=0.4, unloading=True, zero=0.0, rows=(30, 16)):
@@ -58,6 +59,7 @@ def test_without_noise_the_material_is_found_again():
         assert profile.deviance.min() < 1e-6
 
 
+@ONCE
 def test_zero_and_compliance_are_found_with_it():
     setting = STEEL._replace(zero=2e-6, compliance=1e-8)
     found = identify(measured_by(setting, grid(rows=(20, 10)), 1e-3), poissons_ratio=0.3, zero_unknown=True, compliance_unknown=True)
@@ -83,7 +85,7 @@ def coverage(setting, places, noise, trials):
     return np.array(held).reshape(trials, 2).sum(axis=0)
 
 
-@pytest.mark.compiled_only(reason="sixty least-squares fits; nothing of them is compiled, so once is enough")
+@ONCE
 def test_intervals_cover_the_truth_as_often_as_they_say():
     """Of 20 realisations of the noise, a 95 % interval misses so many only once in a thousand times."""
     counts = coverage(STEEL, grid(rows=(16, 8)), 0.01, 20)
@@ -106,6 +108,7 @@ def finite_elements(name, branch, noise, seed):
     )
 
 
+@ONCE
 @pytest.mark.parametrize(
     ("name", "branch", "seed"), [("E70_nu0.2", 6, 1), ("E70_nu0.2", 10, 2), ("E300_nu0.4", 4, 3), ("E1.5_nu0.4", 14, 4)]
 )
@@ -120,6 +123,7 @@ def test_round_trip_on_finite_elements_with_noise(name, branch, seed):
     assert found.misfit < 1.5
 
 
+@ONCE
 def test_an_elastic_curve_bounds_the_yield_stress_from_below_only():
     soft = Setting(1e9, 400e6, 0.3, 0.0, 0.0)
     found = identify(measured_by(soft, grid(deepest=0.1, recovered=0.95), 0.01), poissons_ratio=0.3)
@@ -133,6 +137,7 @@ def test_an_elastic_curve_bounds_the_yield_stress_from_below_only():
     assert any("elastic as far as it goes" in text for text in found.statements)
 
 
+@ONCE
 def test_a_plastic_loading_alone_hardly_shows_the_modulus():
     """E/Y = 900 pressed from d = .1 R on: the force is that of a rigid-plastic body within the noise."""
     places = grid(deepest=0.4, unloading=False)

@@ -24,6 +24,7 @@ from tests.calibration.prony_samples import ONE, PVDF, THREE, TWO, numbers, tabl
 
 KINDS = ("relaxation", "creep", "dynamic")
 SEEDS = 40
+ONCE = pytest.mark.compiled_only("dozens of fits; nothing of them is compiled, so once is enough")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -82,6 +83,7 @@ def distance(found: PronyFit, modulus: Relaxation) -> float:
     return float((away / scale) @ np.linalg.solve(found.correlation, away / scale))
 
 
+@ONCE
 @pytest.mark.parametrize(
     ("modulus", "kind"),
     [*itertools.product([ONE, TWO, THREE], ["relaxation", "dynamic"]), (TWO, "creep")],
@@ -120,6 +122,7 @@ def test_no_bias_where_the_noise_is_large():
     assert abs(np.mean(away)) < 4.0 / np.sqrt(SEEDS)  # four standard deviations of the mean
 
 
+@ONCE
 def test_stated_errors_are_the_weights():
     """Numbers scatter by what is stated for each, the late ones ten times as much."""
     place = np.geomspace(0.01, 30.0, 80)
