@@ -7,6 +7,9 @@ BIN := $(VENV)/bin
 READY := $(VENV)/ready
 JOBS ?= 2
 PYTEST := $(BIN)/python -m pytest
+# by files: tests of one share fixtures and compiled kernels, which each process would make for itself otherwise; in their order, so that
+# short doctests come last
+SPREAD := -n $(JOBS) --dist loadfile --no-loadscope-reorder -q
 
 # one thread per process: the work is spread over processes
 export OPENBLAS_NUM_THREADS := 1
@@ -24,11 +27,11 @@ demo: $(READY) ## from a material to a DEM run: writes results/quickstart/report
 
 test: $(READY) ## the test suite, compiled
 	@echo "test: pytest on $(JOBS) processes, kernels compiled"
-	@$(PYTEST) -n $(JOBS) -q
+	@$(PYTEST) $(SPREAD)
 
 test-interpreted: $(READY) ## the test suite with numba switched off, apart from the tests that say why not
 	@echo "test-interpreted: pytest on $(JOBS) processes, kernels interpreted"
-	@NUMBA_DISABLE_JIT=1 $(PYTEST) -n $(JOBS) -q
+	@NUMBA_DISABLE_JIT=1 $(PYTEST) $(SPREAD)
 
 lint: $(READY) ## ruff, mypy, and the direction of imports
 	@echo "lint: ruff check"; $(BIN)/ruff check .
