@@ -88,19 +88,19 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
         report(len(log.rows) / (total + 1), f"going on from {path}")
     before, stopped, saved = log.counts["cpu_seconds"], None, began
     if not log.rows:
-        _write_down(scene, work, plan, log, 0.0, 0)
+        write_down(scene, work, plan, log, 0.0, 0)
     for number in range(len(log.rows), total + 1):
         stage, part = divmod(number - 1, scene.outputs)
         if part == 0:
             _begin(scene, work, stage)
         if scene.quasi_static is None:
-            deformation = _interval(scene, work, plan, stage, part)
+            deformation = interval_of(scene, work, plan, stage, part)
             work, lists = follow(work, deformation, 0, deformation.steps, scene.moving_walls)
             steps, dt, lost = deformation.steps, deformation.dt, None
         else:
             work, steps, lost = _rested(scene, work, plan, scene.quasi_static, stage, part)
             dt, lists = plan.durations[stage] / scene.outputs, 0
-        stopped = _end_of(work, number, dt)
+        stopped = reason_to_stop(work, number, dt)
         if stopped is not None:
             break
         log.counts["steps"] += steps
@@ -109,18 +109,20 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
         if lost is not None:
             stopped = f"no rest was found for output {number}: {lost}; its row and frame are those of the state that was reached"
             plan = plan._replace(kept=plan.kept | {number})
-        _write_down(scene, work, plan, log, dt, number)
+        write_down(scene, work, plan, log, dt, number)
         if stopped is not None:
             break
         if path is not None and (clock.process_time() - saved > CHECKPOINT_EVERY or number == total):
             disk.save(path, identity, *_saved(work, log))
             saved = clock.process_time()
-        report(number / total, _line(log.rows[-1]))
+        report(number / total, progress_line(log.rows[-1]))
     warnings = (*plan.warnings, *faster_than_reckoned(asked, scene, log.rows))
-    return trajectory(scene, log.rows, log.frames, log.beyond, _statistics(scene, plan, log, identity, work), plan.notes, warnings, stopped)
+    return trajectory(
+        scene, log.rows, log.frames, log.beyond, statistics_of(scene, plan, log, identity, work), plan.notes, warnings, stopped
+    )
 
 
-def _end_of(work: Working, number: int, dt: float) -> str | None:
+def reason_to_stop(work: Working, number: int, dt: float) -> str | None:
     """Why a run cannot go on, None if it can."""
     if not (np.isfinite(work.bodies.position).all() and np.isfinite(work.bodies.velocity).all()):
         return f"the motion diverged before output {number}: take a smaller time_step_fraction (the step is {dt:.3g} s)"
@@ -173,7 +175,7 @@ def _cell(scene: Scene, work: Working, stage: int, share: float) -> FloatArray:
     return after if share == 1.0 else before + (after - before) * share
 
 
-def _interval(scene: Scene, work: Working, plan: Plan, stage: int, part: int) -> Deformation:
+def interval_of(scene: Scene, work: Working, plan: Plan, stage: int, part: int) -> Deformation:
     """The steps from one output to the next."""
     duration = plan.durations[stage] / scene.outputs
     most = plan.step.dt
@@ -227,7 +229,8 @@ def _time_step(scene: Scene, work: Working, durations: tuple[float, ...]) -> Tim
     return step._replace(dt=min(step.dt, MOST_TURN / fastest)) if fastest > 0.0 else step
 
 
-def _write_down(scene: Scene, work: Working, plan: Plan, log: Log, dt: float, number: int) -> None:
+def write_down(scene: Scene, work: Working, plan: Plan, log: Log, dt: float, number: int) -> None:
+    """Add the row of output `number`, reached with time steps of `dt` (s), and its frame if that is kept, to the log."""
     values, found = observe(scene, work, scene.box, dt)
     stage, part = divmod(max(number - 1, 0), scene.outputs)
     time = sum(plan.durations[:stage]) + (plan.durations[stage] * ((part + 1) / scene.outputs) if number else 0.0)
@@ -251,8 +254,13 @@ def _write_down(scene: Scene, work: Working, plan: Plan, log: Log, dt: float, nu
 
 
 def _saved(work: Working, log: Log) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    arrays = {f"work_{name}": value for name, value in arrays_of(work).items()}
-    arrays["rows"] = np.array(log.rows)
+    numbers, arrays = saved_log(log)
+    return numbers, arrays | {f"work_{name}": value for name, value in arrays_of(work).items()}
+
+
+def saved_log(log: Log) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """A log as numbers and arrays."""
+    arrays = {"rows": np.array(log.rows)}
     arrays["frame_outputs"] = np.array([frame.output for frame in log.frames])
     arrays["frame_cells"] = np.array([frame.box.cell for frame in log.frames])
     for number, frame in enumerate(log.frames):
@@ -266,6 +274,11 @@ def _saved(work: Working, log: Log) -> tuple[dict[str, Any], dict[str, np.ndarra
 
 def _restored(scene: Scene, work: Working, numbers: dict[str, Any], arrays: dict[str, np.ndarray]) -> tuple[Working, Log]:
     work = with_arrays(work, {name.removeprefix("work_"): value for name, value in arrays.items() if name.startswith("work_")})
+    return work, restored_log(scene, numbers, arrays)
+
+
+def restored_log(scene: Scene, numbers: dict[str, Any], arrays: dict[str, np.ndarray]) -> Log:
+    """What `saved_log` made of it."""
     rows = arrays["rows"].tolist()
     own = zip(*(arrays[f"frame_{name}"] for name in ("outputs", "cells", "position", "velocity", "contacts", "pressure")), strict=True)
     same = (scene.particles.id, scene.particles.radii)
@@ -278,10 +291,11 @@ def _restored(scene: Scene, work: Working, numbers: dict[str, Any], arrays: dict
         frame = Frame(row, rows[row][0], scene.box.with_cell(cell), *same, position, velocity, contacts, pressure, Network(**contact))
         frames.append(frame if turns is None else frame._replace(axes=scene.particles.axes, orientation=turns))
     beyond = [Beyond(int(a), int(b), c, d, tuple(e)) for a, b, c, d, e in numbers["beyond"]]
-    return work, Log(rows, frames, beyond, numbers["counts"])
+    return Log(rows, frames, beyond, numbers["counts"])
 
 
-def _line(row: list[float]) -> str:
+def progress_line(row: list[float]) -> str:
+    """A row of the table in a few words."""
     named = dict(zip(COLUMNS, row, strict=True))
     pressure = sum(named[f"stress {a}{a}"] for a in "xyz") / 3.0
     return f"t = {named['time']:.3g} s, pressure {pressure:.3g} Pa, {named['coordination']:.2f} contacts per particle"
@@ -292,7 +306,8 @@ def law_hash(law: object) -> str:
     return hashlib.sha256(law_bytes(law) + source_hash("contactlaws").encode()).hexdigest()[:12]
 
 
-def _statistics(scene: Scene, plan: Plan, log: Log, identity: dict[str, str], work: Working) -> dict[str, Any]:
+def statistics_of(scene: Scene, plan: Plan, log: Log, identity: dict[str, str], work: Working) -> dict[str, Any]:
+    """What a run cost, and which law, scene and code it was."""
     law, seconds = scene.contact.normal, max(log.counts["cpu_seconds"], 1e-9)
     steps = [row[COLUMNS.index("time step")] for row in log.rows[1:]]
     mine = [steps[k : k + scene.outputs] for k in range(0, len(steps), scene.outputs)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cases.batch.plan import plan
-from cases.batch.work.scenes import _contact, _programme
+from cases.batch.work.scenes import contact_of, programme_of
 from cases.casefile import reading
 from contactlaws.curve import Curve
 from contactlaws.elastic import Hertz
@@ -45,12 +45,12 @@ def test_roles_and_programme(tmp_path: Path) -> None:
     fit, scene = tasks["fits.box-law"], tasks["scenes.box"]
     assert (fit.values["tolerance"], fit.values["reach"]) == (0.05, 0.06)  # overlaps up to twice the strain
     assert "fits.box-law" in scene.needs
-    contact = _contact(FittedLaw(Hertz(5e-6, 151e9), max_overlap=5e-7), scene.values)
+    contact = contact_of(FittedLaw(Hertz(5e-6, 151e9), max_overlap=5e-7), scene.values)
     assert contact.tangential is not None
     assert contact.tangential.shear_modulus == pytest.approx(142e9 / 2.5 / 3.5)
     assert contact.damping is not None
     assert contact.rolling is None
-    assert [stage.shear for stage in _programme(scene.values)] == [(0.0, 0.03, 0.0), (0.0, 0.0, 0.0)]
+    assert [stage.shear for stage in programme_of(scene.values)] == [(0.0, 0.03, 0.0), (0.0, 0.0, 0.0)]
 
 
 @pytest.mark.parametrize(

@@ -28,13 +28,13 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     """A packing compressed and released on a law: history table, LAMMPS dump, contacts, .vtu frames."""
 
     fit, values = fitted.load(law_file(folder, task, made)), task.values
-    contact = _contact(fit, values)
+    contact = contact_of(fit, values)
     packing = next(_packing(folder / made[need].files["packing"]) for need in task.needs if need.startswith("packings."))
     scene = dem.packed_scene(
         packing,
         values["density"],
         contact,
-        _programme(values),
+        programme_of(values),
         quasi_static=dem.QuasiStatic() if values["routine"] == "quasi-static" else None,
         **{name: values[name] for name in ("affine", "density_scaling", "inertial_number", "time_step_fraction", "threads")},
         carry=tuple(values["carry"]),
@@ -55,7 +55,7 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     return files, summary, trajectory.stopped
 
 
-def _contact(fit: FittedLaw, values: Mapping[str, Any]) -> dem.Contact:
+def contact_of(fit: FittedLaw, values: Mapping[str, Any]) -> dem.Contact:
     """The physics that the scene asks for."""
     contact = dem.Contact(normal=fit.law, fitted_overlap=fit.max_overlap / fit.law.radius)
     if values["youngs_modulus"] is None:
@@ -69,7 +69,7 @@ def _contact(fit: FittedLaw, values: Mapping[str, Any]) -> dem.Contact:
     )
 
 
-def _programme(values: Mapping[str, Any]) -> tuple[dem.Stage, ...]:
+def programme_of(values: Mapping[str, Any]) -> tuple[dem.Stage, ...]:
     """There, and back if it is released."""
     duration = None if values["strain_rate"] is None else values["strain"] / values["strain_rate"]
     if values["loading"] == "uniaxial":
