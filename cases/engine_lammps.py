@@ -15,13 +15,13 @@ import numpy as np
 
 import contactlaws  # noqa: F401  (all laws: any may stand in the file)
 import dem
-from cases.batch.work.scenes import _contact, _programme
+from cases.batch.work.scenes import contact_of, programme_of
 from cases.casefile.reading import read_scene
 from cases.casefile.schema import Scene
 from cases.report import history
 from contactlaws import fitted
 from contactlaws.errors import Problem, require
-from dem import lammps_engine, lammps_run, output
+from dem import lammps_library, lammps_run, lammps_scope, output
 from dem.box import Box
 from dem.packing import Packing, random_close_packing
 
@@ -29,7 +29,7 @@ from dem.packing import Packing, random_close_packing
 def simulate(scene: Path, law: Path | None, folder: Path, ranks: int) -> str | None:
     """Run a scene file; returns why it stopped early, None if it did not. Raises `InputError`, before computing, for what cannot be."""
     asked, law_file = read_scene(scene, law)
-    lammps_engine.library()
+    lammps_library.library()
     require(_problems(asked, law_file, ranks))
     (folder / "frames").mkdir(parents=True, exist_ok=True)
     if ranks == 1:
@@ -41,11 +41,11 @@ def _problems(asked: Scene, law: Path, ranks: int) -> Iterator[Problem]:
     """What the engine does not do, known before there is a packing."""
     edge = (asked.count * 4.0 / 3.0 * np.pi * asked.radius**3 / asked.packing_fraction) ** (1.0 / 3.0)
     outline = Packing(np.zeros((asked.count, 3)), asked.radius, Box((edge, edge, edge)), asked.packing_fraction, 0.0, 0, 0.0)
-    yield from lammps_engine.problems_with(_scene(asked, law, outline))
+    yield from lammps_scope.problems_with(_scene(asked, law, outline))
     if asked.threads > 1:
         yield Problem("threads", asked.threads, "are not for the engine lammps", "ask for --ranks in their place")
-    if ranks > 1 and lammps_engine.launcher() is None:
-        yield Problem("--ranks", ranks, "need the program mpiexec of the MPI that LAMMPS uses", lammps_engine.INSTALL)
+    if ranks > 1 and lammps_library.launcher() is None:
+        yield Problem("--ranks", ranks, "need the program mpiexec of the MPI that LAMMPS uses", lammps_library.INSTALL)
 
 
 def _scene(asked: Scene, law: Path, packing: Packing) -> dem.Scene:
@@ -53,31 +53,32 @@ def _scene(asked: Scene, law: Path, packing: Packing) -> dem.Scene:
     return dem.packed_scene(
         packing,
         asked.density,
-        _contact(fit, values),
-        _programme(values),
+        contact_of(fit, values),
+        programme_of(values),
         quasi_static=dem.QuasiStatic() if asked.routine == "quasi-static" else None,
         **{name: values[name] for name in ("affine", "density_scaling", "inertial_number", "time_step_fraction", "carry")},
     )
 
 
 def _on_ranks(scene: Path, law: Path, folder: Path, ranks: int) -> str | None:
-    command = [str(lammps_engine.launcher()), "-n", str(ranks), sys.executable, "-m", __name__, str(scene), str(law), str(folder)]
+    command = [str(lammps_library.launcher()), "-n", str(ranks), sys.executable, "-m", __name__, str(scene), str(law), str(folder)]
     done = subprocess.run(command, env=os.environ | {"OMP_NUM_THREADS": "1"}, check=False)
     return None if done.returncode == 0 else f"the ranks ended with {done.returncode}"
 
 
 def run(asked: Scene, law: Path, folder: Path) -> str | None:
     """What each rank does; the first tells how it goes, and writes."""
-    first = lammps_engine.this_rank() == 0
+    first = lammps_library.this_rank() == 0
     packing = random_close_packing(asked.count, asked.packing_fraction, asked.radius, seed=asked.seed)
     trajectory = lammps_run.run(_scene(asked, law, packing), _tell if first else None)
-    if first:
-        history.write(history.columns(trajectory), folder / "history.parquet")
-        output.write_dump(trajectory, folder / "scene.dump")
-        output.write_network(trajectory, folder / "contacts.csv")
-        output.write_vtu(trajectory, folder / "frames")
-        print("\n".join(f"warning: {line}" for line in trajectory.warnings) or "no warnings")
-        print(f"written: {folder}")
+    if trajectory is None:
+        return None
+    history.write(history.columns(trajectory), folder / "history.parquet")
+    output.write_dump(trajectory, folder / "scene.dump")
+    output.write_network(trajectory, folder / "contacts.csv")
+    output.write_vtu(trajectory, folder / "frames")
+    print("\n".join(f"warning: {line}" for line in trajectory.warnings) or "no warnings")
+    print(f"written: {folder}")
     return trajectory.stopped
 
 
@@ -94,5 +95,5 @@ def main(arguments: list[str]) -> int:
 
 if __name__ == "__main__":
     code = main(sys.argv[1:])
-    lammps_engine.finish()
+    lammps_library.finish()
     sys.exit(code)

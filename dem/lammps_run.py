@@ -1,7 +1,7 @@
 """A scene from start to end with LAMMPS as its engine: the same programme, the same table and frames as `dem.run`.
 
-Between two outputs LAMMPS is on its own. At an output all ranks gather the spheres and what their contacts remember, and the state is read
-off as if our own loop had come there, by the same functions.
+Between two outputs LAMMPS is on its own. At an output all ranks gather the spheres and what their contacts remember, and the first reads
+off the state as if our own loop had come there, by the same functions.
 """
 
 from __future__ import annotations
@@ -12,26 +12,25 @@ import time as clock
 import numpy as np
 import numpy.typing as npt
 
+from contactlaws import dispatch
 from contactlaws.errors import require
 from contactlaws.version import code_version
 from dem import forces, lammps_forces, requirements
-from dem.lammps_engine import Engine, Snapshot, problems_with
+from dem.lammps_engine import Engine, Snapshot
+from dem.lammps_forces import HELD, REMEMBERED, SLIP, TURNED
+from dem.lammps_scope import problems_with
 from dem.measure import largest_overlap
 from dem.reduction import reduced
 from dem.scene import Scene
-from dem.simulation import Log, Progress, _end_of, _interval, _line, _statistics, _write_down, prepare
+from dem.simulation import Log, Progress, interval_of, prepare, progress_line, reason_to_stop, statistics_of, write_down
 from dem.trajectory import Trajectory, trajectory
 from dem.working import Working, renew_forces, working
 
-#: steps between two outputs, below which it shows that the box stands still in the first of them: 2.5e-3 of the stress was seen with six
-FEWEST_STEPS = 50
 
+def run(scene: Scene, progress: Progress | None = None) -> Trajectory | None:
+    """Simulate `scene`; on several ranks each of them calls this, and the first gets the trajectory, the others None.
 
-def run(scene: Scene, progress: Progress | None = None) -> Trajectory:
-    """Simulate `scene`; on several ranks each of them calls this, and each gets the whole trajectory.
-
-    Raises `InputError`, before computing, for anything that cannot be simulated by LAMMPS or at all. The energy given by the box and that
-    taken by the drag are split at outputs to half a step.
+    Raises `InputError`, before computing, for anything that cannot be simulated by LAMMPS or at all.
     """
     require([*requirements.problems_with(scene), *problems_with(scene)])
     report, began = progress or (lambda fraction, text: None), clock.process_time()
@@ -43,46 +42,67 @@ def run(scene: Scene, progress: Progress | None = None) -> Trajectory:
         report(0.0, line)
     log, stopped = Log([], [], [], {"steps": 0, "pair_lists": 0, "cpu_seconds": 0.0}), None
     identity = {"scene": scene.content_hash, "code": code_version()}
-    _write_down(scene, work, plan, log, 0.0, 0)
-    engine, total, fewest = Engine.of_scene(scene), len(scene.programme) * scene.outputs, FEWEST_STEPS
+    write_down(scene, work, plan, log, 0.0, 0)
+    engine, total = Engine.of_scene(scene), len(scene.programme) * scene.outputs
+    first = engine.rank == 0
     try:
         for number in range(1, total + 1):
-            interval = _interval(scene, work, plan, *divmod(number - 1, scene.outputs))
+            interval = interval_of(scene, work, plan, *divmod(number - 1, scene.outputs))
             engine.follow(interval)
-            work = state(scene, interval.end, engine.snapshot())._replace(begun=work.begun)
-            stopped = _end_of(work, number, interval.dt)
+            snapshot = engine.snapshot()
+            if first or scene.adaptive_step:
+                work = state(scene, interval.end, snapshot)._replace(begun=work.begun)
+            else:
+                work = _outline(work, snapshot)
+            stopped = reason_to_stop(work, number, interval.dt)
             if stopped is not None:
                 break
             log.counts["steps"] += interval.steps
-            fewest = min(fewest, interval.steps)
             log.counts["cpu_seconds"] = clock.process_time() - began
-            _write_down(scene, work, plan, log, interval.dt, number)
-            report(number / total, _line(log.rows[-1]))
+            if first:
+                write_down(scene, work, plan, log, interval.dt, number)
+                report(number / total, progress_line(log.rows[-1]))
     finally:
         engine.close()
-    statistics = _statistics(scene, plan, log, identity, work) | {"engine": "lammps"}
-    warnings = plan.warnings
-    if fewest < FEWEST_STEPS:
-        rests = f"{fewest} steps between two outputs are few: LAMMPS's box rests in the first"
-        warnings = (*warnings, f"{rests}; ask for fewer outputs, or load more slowly")
-    return trajectory(scene, log.rows, log.frames, log.beyond, statistics, plan.notes, warnings, stopped)
+    if not first:
+        return None
+    statistics = statistics_of(scene, plan, log, identity, work) | {"engine": "lammps"}
+    return trajectory(scene, log.rows, log.frames, log.beyond, statistics, plan.notes, plan.warnings, stopped)
 
 
 def state(scene: Scene, cell: npt.NDArray[np.float64], snapshot: Snapshot) -> Working:
     """Our own record of a state of LAMMPS's, in the box of edge vectors `cell` (m)."""
     own = scene.particles.id - 1
-    particles = scene.particles._replace(position=snapshot.position[own], velocity=snapshot.velocity[own])
+    spin = None if scene.contact.tangential is None else snapshot.spin[own]
+    particles = scene.particles._replace(position=snapshot.position[own], velocity=snapshot.velocity[own], spin=spin)
     work = working(dataclasses.replace(scene, particles=particles, box=scene.box.with_cell(cell)))
-    group, numbers = work.groups[0], scene.particles.id[work.order]
-    if group.memory is not None:
-        first, second = (numbers[rows] for rows in (group.rows.first, group.rows.partner))
-        slots = snapshot.partner[first - 1] == second[:, None]
-        found, memory = slots.any(axis=1), snapshot.memory[first - 1, slots.argmax(axis=1), :-1]
-        group.memory[:] = np.where(found[:, None], memory, 0.0)
-        renew_forces(work)
+    _remember(work, scene.particles.id[work.order], snapshot)
+    renew_forces(work)
     sums = snapshot.sums
     work.tally[:] = 0.0
     work.tally[0, forces.LARGEST] = sums[:, lammps_forces.LARGEST].max(initial=0.0)
-    for ours, theirs in ((forces.LOST, lammps_forces.LOST), (forces.DRAGGED, lammps_forces.DRAGGED), (forces.WORK, lammps_forces.WORK)):
-        work.tally[0, ours] = sums[:, theirs].sum()
+    for name in ("LOST", "SHEARED", "DAMPED", "DRAGGED", "WORK"):
+        work.tally[0, getattr(forces, name)] = sums[:, getattr(lammps_forces, name)].sum()
     return work
+
+
+def _outline(work: Working, snapshot: Snapshot) -> Working:
+    """As much of `state` as tells whether a run can go on."""
+    work.tally[0, forces.LARGEST] = snapshot.sums[:, lammps_forces.LARGEST].max(initial=0.0)
+    return work._replace(bodies=work.bodies._replace(position=snapshot.position, velocity=snapshot.velocity))
+
+
+def _remember(work: Working, numbers: npt.NDArray[np.int64], snapshot: Snapshot) -> None:
+    """Give the contacts of a state what they remember; `numbers` are those of its spheres."""
+    group, past = work.groups[0], work.groups[0].past
+    first, second = (numbers[rows] for rows in (group.rows.first, group.rows.partner))
+    slots = snapshot.partner[first - 1] == second[:, None]
+    remembered = np.where(slots.any(axis=1)[:, None], snapshot.memory[first - 1, slots.argmax(axis=1)], 0.0)
+    if group.memory is not None:
+        group.memory[:] = remembered[:, : dispatch.floats_of_state(group.roles.normal)]
+    beyond = remembered[:, -REMEMBERED:].T  # of the law; not there, and not asked for, where nothing asks for speeds
+    for array, column, size in ((past.slip, SLIP, 4), (past.roll, TURNED, 3)):
+        if array is not None:
+            array[:] = beyond[column : column + size]
+    if past.damping is not None:
+        past.damping[:] = beyond[HELD]

@@ -8,33 +8,38 @@ import numpy as np
 
 import dem
 from contactlaws.material import Material
+from contactlaws.tangential import damper, mindlin, rolling
 from contactlaws.whole_range import whole_range
 from dem import lammps_run
 from dem.box import Box
-from dem.lammps_engine import Engine, Snapshot, library
+from dem.lammps_engine import Engine, Snapshot
+from dem.lammps_library import library
 from dem.motion import Deformation
 from dem.packing import random_close_packing
 from dem.particles import spheres
 
 RADIUS, DENSITY = 5e-6, 4750.0
-LAW = whole_range(Material(142e9, 0.25, 1.42e9), RADIUS)
+NMC = Material(142e9, 0.25)
+LAW = whole_range(NMC._replace(yield_stress=1.42e9), RADIUS)
+SMOOTH = dem.Contact(LAW)
+ROUGH = dem.Contact(LAW, mindlin(0.3, NMC), rolling(0.1), damper(0.5, NMC))
 EDGE = 12.0 * RADIUS
 #: speed with which a pair flies through the box, in m/s, and the density in kg/m3 with which no force can slow it
 SPEED, HEAVY = 100.0, 1e25
 
 
-def packing(count: int = 200, strain_rate: float = 5e4) -> dem.Scene:
-    """Frictionless spheres compressed by 3 % and released; in five outputs each way."""
-    programme = dem.uniaxial_compression(0.03, strain_rate=strain_rate)
+def packing(count: int = 200, contact: dem.Contact = SMOOTH, strain: float = 0.03, rate: float = 5e4) -> dem.Scene:
+    """Spheres compressed and released; in five outputs each way."""
+    programme = dem.uniaxial_compression(strain, strain_rate=rate)
     bed = random_close_packing(count, 0.635, radius=RADIUS, seed=1)
-    return dem.packed_scene(bed, DENSITY, dem.Contact(LAW), programme, outputs=5, frames=2)
+    return dem.packed_scene(bed, DENSITY, contact, programme, outputs=5, frames=2)
 
 
-def pair(density: float = HEAVY, speed: float = 0.0) -> dem.Scene:
+def pair(density: float = HEAVY, speed: float = 0.0, contact: dem.Contact = SMOOTH) -> dem.Scene:
     """Two spheres that touch, along x, in the middle of a box."""
     place = [[0.5 * EDGE - RADIUS, 0.3 * EDGE, 0.3 * EDGE], [0.5 * EDGE + RADIUS, 0.3 * EDGE, 0.3 * EDGE]]
     bodies = spheres(place, RADIUS, density, [[speed, speed, speed]] * 2)
-    return dem.Scene(bodies, Box((EDGE,) * 3), dem.Contact(LAW), (dem.hold(1.0),))
+    return dem.Scene(bodies, Box((EDGE,) * 3), contact, (dem.hold(1.0),))
 
 
 def squeezed(engine: Engine, before: float, after: float, steps: int = 7, dt: float = 1e-12) -> Snapshot:
@@ -57,8 +62,10 @@ def flight() -> dict[str, np.ndarray]:
 
 
 def compression() -> dict[str, np.ndarray]:
-    """The packing's path."""
-    found = lammps_run.run(packing())
+    """The path of a packing with friction, rolling resistance and dampers."""
+    found = lammps_run.run(packing(120, ROUGH, 0.01, 2e5))
+    if found is None:
+        return {}
     energies = np.stack(found.energies[:-1])
     return {"stress": found.stress, "coordination": found.coordination_number, "energies": energies}
 
