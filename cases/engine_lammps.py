@@ -1,6 +1,7 @@
 """`fe2dem simulate --engine lammps`: a scene file on LAMMPS, on one rank in this process or on several that are started for it.
 
-The files are those of any scene: history table, dump, contacts, frames. There are no task records: a run that was stopped begins anew.
+The files are those of any scene: history table, dump, contacts, frames. There are no task records: a run that was stopped goes on, on any
+number of ranks, from the checkpoint in its folder.
 """
 
 from __future__ import annotations
@@ -70,13 +71,15 @@ def run(asked: Scene, law: Path, folder: Path) -> str | None:
     """What each rank does; the first tells how it goes, and writes."""
     first = lammps_library.this_rank() == 0
     packing = random_close_packing(asked.count, asked.packing_fraction, asked.radius, seed=asked.seed)
-    trajectory = lammps_run.run(_scene(asked, law, packing), _tell if first else None)
+    checkpoint = folder / "checkpoint.npz"
+    trajectory = lammps_run.run(_scene(asked, law, packing), _tell if first else None, checkpoint)
     if trajectory is None:
         return None
     history.write(history.columns(trajectory), folder / "history.parquet")
     output.write_dump(trajectory, folder / "scene.dump")
     output.write_network(trajectory, folder / "contacts.csv")
     output.write_vtu(trajectory, folder / "frames")
+    lammps_run.forget(checkpoint)
     print("\n".join(f"warning: {line}" for line in trajectory.warnings) or "no warnings")
     print(f"written: {folder}")
     return trajectory.stopped

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+import time
 import traceback
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,7 +25,7 @@ import numpy.typing as npt
 from contactlaws import dispatch
 from contactlaws.errors import InputError, Problem, require
 from dem import lammps_forces, lammps_list
-from dem.lammps_forces import FORCE, REMEMBERED, ROUGH, SLOTS, SMOOTH, SUMS, TORQUE
+from dem.lammps_forces import CLOCK, FORCE, REMEMBERED, ROUGH, SLOTS, SMOOTH, SUMS, TORQUE
 from dem.lammps_library import SILENT, library
 from dem.lammps_scope import problems_with
 from dem.motion import Deformation
@@ -78,6 +79,7 @@ class Engine:
         self._first = 0  # number of the step before the interval
         self._pairs: lammps_list.Pairs | None = None
         self._failed: BaseException | None = None
+        self._began = time.monotonic()
 
     @classmethod
     def of_scene(cls, scene: Scene) -> Engine:
@@ -110,7 +112,7 @@ class Engine:
     def restored(cls, path: Path, contact: Contact, skin: float, widest: float) -> Engine:
         """What `save` wrote, on any number of ranks."""
         engine = cls(contact, skin, widest)
-        engine._commands(f"read_restart {path}")
+        engine._commands("newton off", f"read_restart {path}")  # what was said of newton counts, not what is in the file
         engine._declare()
         engine._commands("run 0 post no")  # only then will LAMMPS let the box be changed
         return engine
@@ -141,6 +143,7 @@ class Engine:
 
     def follow(self, interval: Deformation) -> None:
         """Take all steps of an interval; raises what went wrong in the force."""
+        self._commands("run 0 post no")  # spheres that left the box come in again before anything else, as they do when the state is saved
         self._interval, self._first, self._pairs = interval, int(self._lmp.extract_global("ntimestep")), None
         start, first = self._edges(0), self._edges(1)
         fade = math.exp(-0.5 * interval.drag * interval.dt)
@@ -165,6 +168,7 @@ class Engine:
 
     def snapshot(self) -> Snapshot:
         """Everything, gathered on each rank."""
+        self._own("d2_sums")[:, CLOCK] = time.monotonic() - self._began
         count = int(self._lmp.get_natoms())
         low = np.array(self._lmp.extract_box()[0])
 

@@ -14,9 +14,9 @@ from contactlaws.tangential import damper_force, dragged, tangential_stiffness
 
 #: columns of each sphere's sums: half of d F per axis over its contacts in J; largest overlap of one body over its radius, at any time;
 #: its half of the J used up by contacts that have ended, that tangential forces and moments took up, and that dampers took; J taken by the
-#: drag; J given by the moving box; force in N and torque in N m at the end of an interval
-VIRIAL, LARGEST, LOST, SHEARED, DAMPED, DRAGGED, WORK, FORCE, TORQUE = 0, 3, 4, 5, 6, 7, 8, 9, 12
-SUMS = 15
+#: drag; J given by the moving box; force in N and torque in N m at the end of an interval; s since the rank began that has the sphere
+VIRIAL, LARGEST, LOST, SHEARED, DAMPED, DRAGGED, WORK, FORCE, TORQUE, CLOCK = 0, 3, 4, 5, 6, 7, 8, 9, 12, 15
+SUMS = 16
 #: contacts that one sphere remembers at a time; equal spheres that do not overlap leave room for twelve
 SLOTS = 20
 #: columns of what a pair gives: force on the second; half of d F per axis; overlap of one body over its radius; energy of the contact, if

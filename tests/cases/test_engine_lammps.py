@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +50,23 @@ def asked(tmp_path) -> list[str]:
     return ["simulate", str(tmp_path / "scene.toml"), "--law", str(tmp_path / "law.json"), "--out", str(tmp_path / "out")]
 
 
+#: dies at an output in mid-run as if the power had failed; saves its state at each
+KILLED = """
+import os, signal, sys
+from cases import command, engine_lammps
+from dem import lammps_run
+
+lammps_run.SAVE_EVERY = 0.0
+engine_lammps._tell = lambda fraction, text: os.kill(os.getpid(), signal.SIGKILL) if fraction > 0.6 else None
+command.execute(sys.argv[1:])
+"""
+
+
+def _killed_halfway(arguments: list[str]) -> None:
+    done = subprocess.run([sys.executable, "-c", KILLED, *arguments], capture_output=True, text=True, check=False, timeout=500)
+    assert done.returncode == -signal.SIGKILL, done.stdout + done.stderr
+
+
 def _stress(file: Path) -> np.ndarray:
     table = parquet.read_table(file)
     name = next(name for name in table.column_names if name.startswith("stress") and "zz" in name)
@@ -55,16 +75,17 @@ def _stress(file: Path) -> np.ndarray:
 
 @needs_lammps
 @pytest.mark.compiled_only("thousands of steps of sixty spheres take minutes in plain Python")
-def test_one_rank_two_ranks_and_our_own_loop_give_the_same_stress(asked, tmp_path, capfd):
-    """Overlaps of .001 R are good to 1e-12, since the box has 8 R; collisions make that grow. Ranks change nothing."""
+def test_one_rank_and_two_after_a_kill_give_the_stress_of_our_own_loop(asked, tmp_path, capfd):
+    """Overlaps of .001 R are good to 1e-12, since the box has 8 R; collisions make that grow. Ranks change nothing, nor does a kill."""
     assert command.execute(asked) == 0
     found = [_stress(next((tmp_path / "out" / "scenes").glob("*.parquet")))]
+    _killed_halfway([*asked[:-1], str(tmp_path / "lammps-2"), "--engine", "lammps"])
+    assert (tmp_path / "lammps-2" / "checkpoint.npz").exists()
     for ranks in ("1", "2"):
         place = tmp_path / f"lammps-{ranks}"
         assert command.execute([*asked[:-1], str(place), "--engine", "lammps", "--ranks", ranks]) == 0
         found.append(_stress(place / "history.parquet"))
-        assert (place / "scene.dump").exists()
-        assert (place / "contacts.csv").exists()
+        assert {file.name for file in place.iterdir()} == {"history.parquet", "scene.dump", "contacts.csv", "frames"}
     assert "written:" in capfd.readouterr().out
     own, one, two = found
     assert one == pytest.approx(own, rel=0.0, abs=1e-9 * own.max())

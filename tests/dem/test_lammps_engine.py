@@ -120,9 +120,10 @@ def _by_number(work, rows):
 
 @needs_lammps
 def test_a_restart_in_the_middle_goes_on_as_if_nothing_was(tmp_path):
-    """The file has every bit of the state."""
+    """The file has every bit of the state. The spheres meet across the border of the box."""
     scene, found = cases.pair(density=cases.DENSITY, contact=cases.ROUGH), []
     scene = dataclasses.replace(scene, particles=scene.particles._replace(spin=np.array([[1e4, 2e4, 3e4], [0.0, -1e4, 1e4]])))
+    scene = dataclasses.replace(scene, particles=scene.particles._replace(position=scene.particles.position + 0.5 * cases.EDGE))
     widest, skin = RADIUS, 2.0 * RADIUS * scene.skin
     start, end = scene.box.cell, scene.box.cell @ np.diag([0.97, 1.0, 1.0])
     forth, back = Deformation(start, end, 20, 1e-10, 1e6), Deformation(end, start, 150, 1e-10, 2e6)
