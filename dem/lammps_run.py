@@ -48,8 +48,8 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: Path | None 
     """Simulate `scene`; on several ranks each of them calls this, and the first gets the trajectory, the others None.
 
     With `checkpoint` (an .npz file) the state is saved now and then, LAMMPS's part of it beside that file. A run that finds it, on any
-    number of ranks, goes on with the same bits as if it had never stopped; `forget` takes it away. Raises `InputError`, before computing, for
-    anything that cannot be simulated by LAMMPS or at all.
+    number of ranks, goes on with the same bits as if it had never stopped; `forget` takes it away. Raises `InputError`, before computing,
+    for anything that cannot be simulated by LAMMPS or at all.
     """
     require([*requirements.problems_with(scene), *problems_with(scene), *(disk.writable_problems(checkpoint) if checkpoint else ())])
     report, began = progress or (lambda fraction, text: None), clock.process_time()

@@ -138,7 +138,8 @@ def test_a_restart_in_the_middle_goes_on_as_if_nothing_was(tmp_path):
     again.follow(back)
     found.append(again.snapshot())
     again.close()
-    for one, other in zip(*found, strict=True):
+    timeless = [snapshot._replace(sums=snapshot.sums[:, : lammps_forces.CLOCK]) for snapshot in found]
+    for one, other in zip(*timeless, strict=True):
         assert np.array_equal(one, other)
 
 
