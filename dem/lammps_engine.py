@@ -25,7 +25,7 @@ import numpy.typing as npt
 from contactlaws import dispatch
 from contactlaws.errors import InputError, Problem, require
 from dem import lammps_forces, lammps_list
-from dem.lammps_forces import CLOCK, FORCE, REMEMBERED, ROUGH, SLOTS, SMOOTH, SUMS, TORQUE
+from dem.lammps_forces import CLOCK, FORCE, LARGEST, REMEMBERED, ROUGH, SLOTS, SMOOTH, SUMS, TORQUE
 from dem.lammps_library import SILENT, library
 from dem.lammps_scope import problems_with
 from dem.motion import Deformation
@@ -35,12 +35,12 @@ from dem.working import needs_rates
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
-#: spheres handed to LAMMPS at a time when it is filled
+#: spheres handed to LAMMPS, or asked for, at a time
 HANDFUL = 100_000
 
 
 class Snapshot(NamedTuple):
-    """All spheres in the order of their numbers, 1 to n, the same on each rank."""
+    """All spheres in the order of their numbers, 1 to n."""
 
     position: FloatArray  # m, from the lower corner of the box, not wrapped; shape (n, 3)
     velocity: FloatArray  # m/s, relative to the box, shape (n, 3)
@@ -166,24 +166,54 @@ class Engine:
         self._interval = None
         self._raise()
 
-    def snapshot(self) -> Snapshot:
-        """Everything, gathered on each rank."""
-        self._own("d2_sums")[:, CLOCK] = time.monotonic() - self._began
+    def extent(self) -> dict[str, int]:
+        """How many spheres are this rank's own and how many ghosts, and bytes of the arrays that this engine keeps for them.
+
+        The arrays are what contacts remember, the sums and the lists of pairs, beside those that any LAMMPS has.
+        """
+        self._list()
+        assert self._pairs is not None
+        kept = (*self._pairs, self._out, self._spheres.partner, self._spheres.memory, self._spheres.sums)
+        ghosts = int(self._lmp.extract_setting("nghost"))
+        return {"own": len(self._spheres.sums), "ghosts": ghosts, "arrays": sum(array.nbytes for array in kept)}
+
+    def agreed(self) -> tuple[float, float]:
+        """The same on all ranks: largest overlap of one body over its radius so far, infinite if the motion diverged; seconds so far."""
+        sums = self._own("d2_sums")
+        lost = ~np.isfinite(self._own("x")).all(axis=1) | ~np.isfinite(self._own("v")).all(axis=1)
+        sums[lost, LARGEST] = np.inf
+        sums[:, CLOCK] = time.monotonic() - self._began
+        columns = " ".join(f"d2_sums[{column + 1}]" for column in (LARGEST, CLOCK))
+        self._commands(f"compute own all property/atom {columns}", "compute agreed all reduce max c_own[1] c_own[2]")
+        deepest, clock = self._lmp.numpy.extract_compute("agreed", 0, 1)[:2].tolist()
+        self._commands("uncompute agreed", "uncompute own")
+        return deepest, clock
+
+    def snapshot(self) -> Snapshot | None:
+        """All spheres, gathered on the first rank; None on the others, each of which must ask for it too."""
         count = int(self._lmp.get_natoms())
         low = np.array(self._lmp.extract_box()[0])
 
         def gathered(name: str, kind: int, columns: int) -> Any:
-            gather = self._lmp.gather if name[:3] in ("d2_", "i2_") else self._lmp.gather_atoms
-            return np.ctypeslib.as_array(gather(name, kind, columns)).reshape(count, columns)
+            gather = self._lmp.gather_subset if name[:3] in ("d2_", "i2_") else self._lmp.gather_atoms_subset
+            found = np.empty((count if self.rank == 0 else 0, columns), (np.int32, np.float64)[kind])
+            for start in range(0, count, HANDFUL):  # the others hold no more than a handful, and LAMMPS counts the values by 31 bits
+                numbers = np.arange(start, min(start + HANDFUL, count), dtype=np.int32) + 1
+                some = gather(name, kind, columns, len(numbers), np.ctypeslib.as_ctypes(numbers))
+                if self.rank == 0:
+                    found[start : start + len(numbers)] = np.ctypeslib.as_array(some).reshape(len(numbers), columns)
+            return found
 
-        return Snapshot(
-            position=gathered("x", 1, 3) - low + gathered("image", 0, 3) * self.lengths,
+        found = Snapshot(
+            position=gathered("x", 1, 3),
             velocity=gathered("v", 1, 3),
             spin=gathered("omega", 1, 3),
             partner=gathered("i2_partner", 0, SLOTS),
-            memory=gathered("d2_memory", 1, SLOTS * self._columns).reshape(count, SLOTS, self._columns),
+            memory=gathered("d2_memory", 1, SLOTS * self._columns).reshape(-1, SLOTS, self._columns),
             sums=gathered("d2_sums", 1, SUMS),
         )
+        image = gathered("image", 0, 3)
+        return found._replace(position=found.position - low + image * self.lengths) if self.rank == 0 else None
 
     def _raise(self) -> None:
         if self._failed is not None:

@@ -1,7 +1,7 @@
 """A scene from start to end with LAMMPS as its engine: the same programme, the same table and frames as `dem.run`.
 
-Between two outputs LAMMPS is on its own. At an output all ranks gather the spheres and what their contacts remember, and the first reads
-off the state as if our own loop had come there, by the same functions.
+Between two outputs LAMMPS is on its own. At an output the first rank gets the spheres and what their contacts remember, and reads off the
+state as if our own loop had come there, by the same functions. What all ranks must agree on, when to stop and when to save, is reduced.
 """
 
 from __future__ import annotations
@@ -64,8 +64,6 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: Path | None 
     if checkpoint is not None and checkpoint.exists():
         log, engine = _restored(scene, *disk.load(checkpoint, identity), checkpoint)
         reached = int(log.counts["output"])
-        if scene.adaptive_step and reached:
-            work = state(scene, np.diag(engine.lengths), engine.snapshot())._replace(begun=work.begun)
         report(reached / total, f"going on from {checkpoint}")
     else:
         engine, reached = Engine.of_scene(scene), 0
@@ -75,19 +73,16 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: Path | None 
         for number in range(reached + 1, total + 1):
             interval = interval_of(scene, work, plan, *divmod(number - 1, scene.outputs))
             engine.follow(interval)
-            snapshot = engine.snapshot()
-            if first or scene.adaptive_step:
+            (deepest, now), snapshot = engine.agreed(), engine.snapshot()
+            if snapshot is not None:
                 work = state(scene, interval.end, snapshot)._replace(begun=work.begun)
-            else:
-                work = _outline(work, snapshot)
-            stopped = reason_to_stop(work, number, interval.dt)
-            if stopped is not None:
+                stopped = reason_to_stop(work, number, interval.dt)
+            if deepest >= 1.0:  # then there is a reason
                 break
             log.counts["steps"] += interval.steps
             log.counts["cpu_seconds"] = before + clock.process_time() - began
             if first:
                 write_down(scene, work, plan, log, interval.dt, number)
-            now = float(snapshot.sums[:, lammps_forces.CLOCK].max())  # the same on all ranks, which must agree on when to save
             if checkpoint is not None and (now - saved >= SAVE_EVERY or number == total):
                 _save(engine, log, number, identity, checkpoint)
                 saved = now
@@ -145,12 +140,6 @@ def state(scene: Scene, cell: npt.NDArray[np.float64], snapshot: Snapshot) -> Wo
     for name in ("LOST", "SHEARED", "DAMPED", "DRAGGED", "WORK"):
         work.tally[0, getattr(forces, name)] = sums[:, getattr(lammps_forces, name)].sum()
     return work
-
-
-def _outline(work: Working, snapshot: Snapshot) -> Working:
-    """As much of `state` as tells whether a run can go on."""
-    work.tally[0, forces.LARGEST] = snapshot.sums[:, lammps_forces.LARGEST].max(initial=0.0)
-    return work._replace(bodies=work.bodies._replace(position=snapshot.position, velocity=snapshot.velocity))
 
 
 def _remember(work: Working, numbers: npt.NDArray[np.int64], snapshot: Snapshot) -> None:

@@ -30,6 +30,7 @@ def problems_with(scene: Scene) -> Iterator[Problem]:
         ("quasi_static", scene.quasi_static is not None),
         ("affine", not scene.affine),
         ("carry", bool(scene.carry)),
+        ("adaptive_step", scene.adaptive_step),
     ):
         if wrong:
             yield Problem(name, "asked for", "is not for the engine lammps", "leave out --engine, or this")

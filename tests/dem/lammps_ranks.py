@@ -42,7 +42,7 @@ def pair(density: float = HEAVY, speed: float = 0.0, contact: dem.Contact = SMOO
     return dem.Scene(bodies, Box((EDGE,) * 3), contact, (dem.hold(1.0),))
 
 
-def squeezed(engine: Engine, before: float, after: float, steps: int = 7, dt: float = 1e-12) -> Snapshot:
+def squeezed(engine: Engine, before: float, after: float, steps: int = 7, dt: float = 1e-12) -> Snapshot | None:
     """Change the edges along x from 1 - `before` to 1 - `after` of `EDGE`."""
     start, end = (np.diag([EDGE * (1.0 - strain), EDGE, EDGE]) for strain in (before, after))
     engine.follow(Deformation(start, end, steps, dt))
@@ -57,6 +57,7 @@ def flight() -> dict[str, np.ndarray]:
         found.append(squeezed(engine, 0.0195, 0.0195, 50, EDGE / SPEED / 500.0))
     found += [squeezed(engine, 0.0195, 0.0192), squeezed(engine, 0.0192, 0.03)]
     engine.close()
+    found = [snapshot for snapshot in found if snapshot is not None]
     virial = np.array([snapshot.sums[:, 0].sum() for snapshot in found])
     return {"virial": virial, "position": np.array([snapshot.position for snapshot in found])}
 
