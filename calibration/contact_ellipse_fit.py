@@ -1,4 +1,4 @@
-"""The constants of `contactlaws.contact_ellipse.fast_factors`: rational functions of (ln B/A)^2 through Hertz's exact integrals.
+"""The constants of `contactlaws.contact_ellipse.fast_factors`: rational functions through Hertz's exact integrals.
 
     python -m calibration.contact_ellipse_fit
 
@@ -20,10 +20,10 @@ FloatArray = npt.NDArray[np.float64]
 ROUNDS = 40
 
 
-def fraction(constants: FloatArray, y: FloatArray) -> FloatArray:
-    """(c0 + c1 y)/(1 + c2 y + c3 y^2) y."""
+def fraction(constants: FloatArray, z: FloatArray) -> FloatArray:
+    """z (-2/9 + c0 z + c1 z^2)/(1 + c2 z + c3 z^2), z = tanh(ln(B/A)/4)^2: the first term makes it -(ln B/A)^2/72 around a circle."""
     c0, c1, c2, c3 = constants
-    return np.asarray(y * (c0 + y * c1) / (1.0 + y * (c2 + y * c3)))
+    return np.asarray(z * (-2.0 / 9.0 + z * (c0 + z * c1)) / (1.0 + z * (c2 + z * c3)))
 
 
 def fit(error: Callable[[FloatArray], FloatArray], start: FloatArray) -> tuple[FloatArray, float]:
@@ -49,9 +49,9 @@ def main() -> None:
     ratios = np.exp(np.linspace(0.0, np.log(1.05 * FAST_UP_TO), 1500)[1:])
     exact = np.array([exact_factors(float(ratio)) for ratio in ratios])
     x = np.log(ratios)
-    start = np.array([-0.0139, -0.0004, 0.06, 0.0005])
+    z, start = np.tanh(0.25 * x) ** 2, np.array([0.1, -0.05, -0.5, 0.01])
     for name, column in (("f1", 0), ("f2", 1)):
-        found, error = fit(lambda p, column=column: fraction(p, x * x) + 1.0 - exact[:, column], start)  # type: ignore[misc]
+        found, error = fit(lambda p, column=column: fraction(p, z) / exact[:, column] + 1.0 / exact[:, column] - 1.0, start)  # type: ignore[misc]
         print(name, [float(f"{value:.7g}") for value in found], f"largest error {error:.2g}")
 
     def of_axes(p: FloatArray) -> FloatArray:

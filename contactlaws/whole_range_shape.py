@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws.compiled import inlined, kernel
-from contactlaws.contact_ellipse import fast_factors
+from contactlaws.contact_ellipse import fast_mean_factors
 from contactlaws.whole_range_loading import INDENTATION, area_beyond_yield, limit_parts, part_of_elastic
 from contactlaws.whole_range_unloading import recovered_beyond_yield, shape_of_terms
 
@@ -54,7 +54,7 @@ def local_geometry(shape):  # type: ignore[no-untyped-def]
     """R (m), R/r, s, f1, f2 of a shape: R, B/A, r (m). A body beyond the flattest is given the mean radius of that."""
     radius, ratio, mean_radius = shape
     blunt = min(max(radius / mean_radius, 1.0 / BLUNTEST), BLUNTEST)
-    f1, f2, _ = fast_factors(ratio)
+    f1, f2 = fast_mean_factors(ratio)
     return radius, blunt, 0.75 * math.log(blunt), f1, f2
 
 

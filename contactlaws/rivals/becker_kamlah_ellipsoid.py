@@ -24,7 +24,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from contactlaws.compiled import inlined, kernel
-from contactlaws.contact_ellipse import exact_factors, fast_factors
+from contactlaws.contact_ellipse import exact_factors, fast_mean_factors
 from contactlaws.ellipsoid import Gap
 from contactlaws.errors import Problem, require
 from contactlaws.rivals.becker_kamlah import (
@@ -150,7 +150,7 @@ def becker_kamlah_semi_axes(law, axes, overlap, state):  # type: ignore[no-untyp
     return mean / root, mean * root
 
 
-# One body on a rigid flat whose shape is only known where it touches: shape = (R in m, B/A, (abc)^(1/3) in m); f1 and f2 within 3e-6. Of a
+# One body on a rigid flat whose shape is only known where it touches: shape = (R in m, B/A, (abc)^(1/3) in m); f1 and f2 within 4e-6. Of a
 # pair taken as one body at a share of its overlap, with R_e and r_1 r_2/(r_1 + r_2) over that share, lambda_max and epsilon_max are those
 # at R_e (r_1 + r_2)/(4 r_1 r_2): Eq. 54 where the two mean radii are equal, as in all of the paper; spheres have 1/4 whatever their radii.
 
@@ -158,7 +158,7 @@ def becker_kamlah_semi_axes(law, axes, overlap, state):  # type: ignore[no-untyp
 @inlined
 def becker_kamlah_shaped(law, shape):  # type: ignore[no-untyped-def]
     """The sphere's law at this shape."""
-    mean_radius_factor, approach_factor, _ = fast_factors(shape[1])
+    mean_radius_factor, approach_factor = fast_mean_factors(shape[1])
     return becker_kamlah_circle(law, shape[0], shape[0] / (4.0 * shape[2]), mean_radius_factor, approach_factor)
 
 
