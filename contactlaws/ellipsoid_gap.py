@@ -91,41 +91,82 @@ def overlap_along(s_1, s_2, d, n):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def touched(s_1, s_2, n):  # type: ignore[no-untyped-def]
+    """Of both bodies at `n`: h, 1/h, and the points with that normal from the centres."""
+    p, q = times(s_1, n), times(s_2, n)
+    h_1, h_2 = math.sqrt(dot(p, n)), math.sqrt(dot(q, n))
+    once = 1.0 / (h_1 * h_2)  # one division for both
+    i, j = once * h_2, once * h_1
+    return h_1, h_2, i, j, (p[0] * i, p[1] * i, p[2] * i), (q[0] * j, q[1] * j, q[2] * j)
+
+
+@inlined
+def radii_tensor(s_1, s_2, i, j, p, q):  # type: ignore[no-untyped-def]
+    """W_1 + W_2 in m."""
+    u, v = (p[0] * i, p[1] * i, p[2] * i), (q[0] * j, q[1] * j, q[2] * j)
+    return (
+        s_1[0] * i + s_2[0] * j - p[0] * u[0] - q[0] * v[0],
+        s_1[1] * i + s_2[1] * j - p[0] * u[1] - q[0] * v[1],
+        s_1[2] * i + s_2[2] * j - p[0] * u[2] - q[0] * v[2],
+        s_1[3] * i + s_2[3] * j - p[1] * u[1] - q[1] * v[1],
+        s_1[4] * i + s_2[4] * j - p[1] * u[2] - q[1] * v[2],
+        s_1[5] * i + s_2[5] * j - p[2] * u[2] - q[2] * v[2],
+    )
+
+
+@inlined
+def adjugate(m):  # type: ignore[no-untyped-def]
+    """Of a symmetric tensor: its inverse times its determinant; and that."""
+    xx, xy, xz = m[3] * m[5] - m[4] * m[4], m[2] * m[4] - m[1] * m[5], m[1] * m[4] - m[2] * m[3]
+    yy, yz, zz = m[0] * m[5] - m[2] * m[2], m[1] * m[2] - m[0] * m[4], m[0] * m[3] - m[1] * m[1]
+    return (xx, xy, xz, yy, yz, zz), m[0] * xx + m[1] * xy + m[2] * xz
+
+
+@inlined
+def downhill(w, g, n, off, length):  # type: ignore[no-untyped-def]
+    """Newton's step of the normal against the gradient, times the determinant of its matrix; and that, which is `length` (m) times W - g's.
+
+    The matrix is W - g across n and, so that it has an inverse, any length along n; `off` is S_1 n/h_1 + S_2 n/h_2 - d. No plane is needed.
+    """
+    k = length + g
+    x, y, z = k * n[0], k * n[1], k * n[2]
+    tensor, determinant = adjugate(
+        (w[0] - g + x * n[0], w[1] + x * n[1], w[2] + x * n[2], w[3] - g + y * n[1], w[4] + y * n[2], w[5] - g + z * n[2])
+    )
+    return times(tensor, (off[0] - g * n[0], off[1] - g * n[1], off[2] - g * n[2])), determinant
+
+
+@inlined
 def look(s_1, s_2, d, n):  # type: ignore[no-untyped-def]
     """All there is at `n`: g; h_1, h_2, inverses; points from the centres; basis of the plane; gradient in it; xx, xy, yy of W_1 + W_2."""
-    p, q = times(s_1, n), times(s_2, n)
-    i, j = 1.0 / math.sqrt(dot(p, n)), 1.0 / math.sqrt(dot(q, n))
-    p, q = (p[0] * i, p[1] * i, p[2] * i), (q[0] * j, q[1] * j, q[2] * j)
-    h_1, h_2 = dot(p, n), dot(q, n)
+    h_1, h_2, i, j, p, q = touched(s_1, s_2, n)
     e, f = across(n)
     off = (p[0] + q[0] - d[0], p[1] + q[1] - d[1], p[2] + q[2] - d[2])
-    w = (
-        s_1[0] * i + s_2[0] * j - p[0] * p[0] * i - q[0] * q[0] * j,
-        s_1[1] * i + s_2[1] * j - p[0] * p[1] * i - q[0] * q[1] * j,
-        s_1[2] * i + s_2[2] * j - p[0] * p[2] * i - q[0] * q[2] * j,
-        s_1[3] * i + s_2[3] * j - p[1] * p[1] * i - q[1] * q[1] * j,
-        s_1[4] * i + s_2[4] * j - p[1] * p[2] * i - q[1] * q[2] * j,
-        s_1[5] * i + s_2[5] * j - p[2] * p[2] * i - q[2] * q[2] * j,
-    )
+    w = radii_tensor(s_1, s_2, i, j, p, q)
     we, wf = times(w, e), times(w, f)
     return h_1 + h_2 - dot(d, n), h_1, h_2, i, j, p, q, e, f, dot(off, e), dot(off, f), dot(we, e), dot(we, f), dot(wf, f)
 
 
 @inlined
-def pair_shape(s_1, s_2, mean_1, mean_2, i, j, p, q, xx, xy, yy):  # type: ignore[no-untyped-def]
+def pair_shape(trace_1, trace_2, mean_1, mean_2, i, j, determinant):  # type: ignore[no-untyped-def]
     """1/(2 sqrt(A B)) in m of the gap and B/A: A and B belong to (W_1^-1 + W_2^-1)/2, without an angle between principal directions.
 
-    i and j are 1/h, and xx, xy, yy of W_1 + W_2. det W = (a b c)^2/h^4, and the determinant of the sum of the inverses is
-    det(W_1 + W_2)/(det W_1 det W_2).
+    The traces are those of h W, i and j 1/h, and the determinant that of W_1 + W_2. det W = (a b c)^2/h^4, and the determinant of the sum
+    of the inverses is det(W_1 + W_2)/(det W_1 det W_2).
     """
     root_1, root_2 = mean_1 * mean_1 * mean_1 * i * i, mean_2 * mean_2 * mean_2 * j * j  # of the determinants
-    trace_1, trace_2 = (s_1[0] + s_1[3] + s_1[5] - dot(p, p)) * i, (s_2[0] + s_2[3] + s_2[5] - dot(q, q)) * j
     both = root_1 * root_2
-    once = 1.0 / (both * math.sqrt(xx * yy - xy * xy))
-    radius, t = both * both * once, 0.5 * (trace_1 * root_2 * root_2 + trace_2 * root_1 * root_1) * once
+    once = 1.0 / (both * math.sqrt(determinant))
+    radius, t = both * both * once, 0.5 * (trace_1 * i * root_2 * root_2 + trace_2 * j * root_1 * root_1) * once
     t = max(t, 1.0)  # but for round-off
     root = t + math.sqrt(t * t - 1.0)
     return radius, root * root
+
+
+@inlined
+def trace_across(s, p):  # type: ignore[no-untyped-def]
+    """That of h W in m2, p being the point S n/h."""
+    return s[0] + s[3] + s[5] - dot(p, p)
 
 
 @inlined
@@ -133,7 +174,7 @@ def wall_shape(s, mean, h, p):  # type: ignore[no-untyped-def]
     """`pair_shape` of one ellipsoid on a flat."""
     i = 1.0 / h
     root = mean * mean * mean * i * i
-    t = max(0.5 * (s[0] + s[3] + s[5] - dot(p, p)) * i / root, 1.0)
+    t = max(0.5 * trace_across(s, p) * i / root, 1.0)
     root_of_ratio = t + math.sqrt(t * t - 1.0)
     return root, root_of_ratio * root_of_ratio
 
@@ -190,10 +231,9 @@ def settled(s_1, s_2, d, n, whole):  # type: ignore[no-untyped-def]
 @inlined
 def solved(s, d):  # type: ignore[no-untyped-def]
     """S^-1 d, of a positive tensor."""
-    xx, xy, xz = s[3] * s[5] - s[4] * s[4], s[2] * s[4] - s[1] * s[5], s[1] * s[4] - s[2] * s[3]
-    yy, yz, zz = s[0] * s[5] - s[2] * s[2], s[1] * s[2] - s[0] * s[4], s[0] * s[3] - s[1] * s[1]
-    i = 1.0 / (s[0] * xx + s[1] * xy + s[2] * xz)
-    x, y, z = times((xx, xy, xz, yy, yz, zz), d)
+    tensor, determinant = adjugate(s)
+    x, y, z = times(tensor, d)
+    i = 1.0 / determinant
     return x * i, y * i, z * i
 
 
@@ -307,7 +347,7 @@ def _meeting(axes_1, turn_1, axes_2, turn_2, d):  # type: ignore[no-untyped-def]
     n, _ = closest(s_1, s_2, d, (0.0, 0.0, 0.0), sharpest, False, True)
     g, _, _, i, j, p, q, _, _, _, _, xx, xy, yy = look(s_1, s_2, d, n)
     mean_1, mean_2 = np.cbrt(axes_1[0] * axes_1[1] * axes_1[2]), np.cbrt(axes_2[0] * axes_2[1] * axes_2[2])
-    radius, ratio = pair_shape(s_1, s_2, mean_1, mean_2, i, j, p, q, xx, xy, yy)
+    radius, ratio = pair_shape(trace_across(s_1, p), trace_across(s_2, q), mean_1, mean_2, i, j, xx * yy - xy * xy)
     return g, n, (p[0] - 0.5 * g * n[0], p[1] - 0.5 * g * n[1], p[2] - 0.5 * g * n[2]), radius, ratio
 
 

@@ -230,6 +230,26 @@ def reshaped(law, shape, overlap, memory, rolled):  # type: ignore[no-untyped-de
 
 
 @inlined
+def begun(shape, rolled):  # type: ignore[no-untyped-def]
+    """`rolled` of a contact, of a new one from the shape it has."""
+    new = rolled[2] == 0.0
+    return shape[0] if new else rolled[0], shape[1] if new else rolled[1], 1.0 if new else rolled[2], rolled[3]
+
+
+@inlined
+def lasting(shape, overlap, rolled):  # type: ignore[no-untyped-def]
+    """Whether a contact that has begun keeps its shape and its factor: then `lasting_force` is all there is to know."""
+    return same_shape(shape, rolled) & ((rolled[2] >= 1.0) | (overlap <= rolled[3]))
+
+
+@inlined
+def lasting_force(law, shape, overlap, memory, rolled):  # type: ignore[no-untyped-def]
+    """Force, memory and `rolled` of a contact that keeps its shape and its factor; no branch but the law's, so for many at once."""
+    push, memory = force(law, counted(shape, rolled), overlap, memory)
+    return rolled[2] * push, memory, (rolled[0], rolled[1], rolled[2], max(rolled[3], overlap))
+
+
+@inlined
 def shaped_force(law, shape, overlap, memory, rolled):  # type: ignore[no-untyped-def]
     """Force in N, memory and `rolled` (see `ROLLED`) of one body at `overlap` (m) where it has `shape` now.
 
@@ -239,15 +259,13 @@ def shaped_force(law, shape, overlap, memory, rolled):  # type: ignore[no-untype
     """
     if overlap <= 0.0:
         return 0.0, untouched(law), UNTOUCHED
-    if rolled[2] == 0.0:
-        rolled = (shape[0], shape[1], 1.0, 0.0)
+    rolled = begun(shape, rolled)
     if not same_shape(shape, rolled):
         return reshaped(law, shape, overlap, memory, rolled)
-    factor, reference = rolled[2], counted(shape, rolled)
+    factor = rolled[2]
     if factor < 1.0 and overlap > rolled[3]:
-        factor = recovered(law, reference, overlap, memory, factor, rolled[3])
-    push, memory = force(law, reference, overlap, memory)
-    return factor * push, memory, (rolled[0], rolled[1], factor, max(rolled[3], overlap))
+        factor = recovered(law, counted(shape, rolled), overlap, memory, factor, rolled[3])
+    return lasting_force(law, shape, overlap, memory, (rolled[0], rolled[1], factor, rolled[3]))
 
 
 @kernel

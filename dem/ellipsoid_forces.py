@@ -2,7 +2,9 @@
 
 Pairs whose bounding spheres meet are taken in blocks. Their common normals are improved by one step of Newton's method from those of the
 step before, all at once and without a branch, so that the compiler makes it several pairs wide; the few for which that is not enough (new
-contacts, fast turns, deep overlaps) are looked at one by one. Forces act in the contact point, where the surfaces meet.
+contacts, fast turns, deep overlaps) are looked at one by one. Those that touch move to the front of the block, and so do their forces: by
+the law, by friction, each in a pass of its own over all of them; the few that have rolled to another shape are asked one by one. Sums go
+over contacts in the order of the list, however they fall into blocks. Forces act in the contact point, where the surfaces meet.
 """
 
 from __future__ import annotations
@@ -15,19 +17,27 @@ from numba import literal_unroll
 
 from contactlaws import shaped
 from contactlaws.compiled import inlined, inner, kernel
-from contactlaws.ellipsoid_gap import DEEP, closest, dot, look, pair_shape, times, wall_shape
+from contactlaws.ellipsoid_gap import DEEP, closest, dot, downhill, look, pair_shape, radii_tensor, times, touched, trace_across, wall_shape
 from contactlaws.tangential import damper_force, dragged, tangential_stiffness
-from dem.forces import BLOCK, DAMPED, LARGEST, NEAREST, ONE, PRESSED, SHEARED, clear
+from dem.forces import DAMPED, LARGEST, NEAREST, ONE, PRESSED, SHEARED, clear
 
 #: rows of what a contact remembers: the common normal (also of pairs that are apart); overlap in m; normal force of the law in N; what
 #: contactlaws.shaped.ROLLED says; the law's own
 AXIS, BEFORE, PUSH, ROLLED, OF_LAW = 0, 3, 4, 5, 9
 #: columns of `rotation.Shapes.extent`
 REACH, SHARPEST, GRACE = 0, 1, 2
-#: rows of a block: centre to centre; normal; tensors; mean radii; overlap before and now; contact point; shape of the gap; what has been
-#: found; the largest turn, squared, for which one step of Newton's method is enough
-D, N, S_1, S_2, MEAN_1, MEAN_2, HAD, GAP, POINT, RADIUS, RATIO, STATE, LIMIT, MEAN = 0, 3, 6, 12, 18, 19, 20, 21, 22, 25, 26, 27, 28, 29
-ROWS = 30
+#: pairs taken at a time
+BLOCK = 32
+#: rows of a block. Of a pair: centre to centre; normal; contact point; overlap now and before; shape of the gap; mean radius of both as of
+#: a body on a flat, times the share; mean radii
+D, N, POINT, GAP, HAD, RADIUS, RATIO, MEAN, MEAN_1, MEAN_2 = 0, 3, 6, 9, 10, 11, 12, 13, 14, 15
+OF_PAIR = 16
+#: of the search: what has been found; the largest turn, squared, for which one step of Newton's method is enough; tensors
+STATE, LIMIT, S_1, S_2, INVERSE_1, INVERSE_2, TRACE_1, TRACE_2, DETERMINANT = 16, 17, 18, 24, 30, 31, 32, 33, 34
+#: of those that touch: see shaped.ROLLED; force of the law before and now; contact radius; whether one has to ask alone; velocity of the
+#: second centre against the first; spins; reduced mass; friction; force on the second body; torques; the law's own memory
+WAS, PUSHED, FORCE, WIDTH, ALONE, V, SPIN_1, SPIN_2, MASS = 16, 20, 21, 22, 23, 24, 27, 30, 33
+SLIP, G, T_1, T_2, WORK, OWN = 34, 38, 41, 44, 47, 48
 #: of a pair: its bodies are apart; they touch; one has to look
 APART, TOUCHING, OPEN = 0.0, 1.0, 2.0
 
@@ -60,31 +70,38 @@ def improve(buf, size):  # type: ignore[no-untyped-def]
     for q in range(size):
         s_1, s_2, d, n = six(buf, S_1, q), six(buf, S_2, q), three(buf, D, q), three(buf, N, q)
         mean_1, mean_2 = buf[MEAN_1, q], buf[MEAN_2, q]
-        g, h_1, h_2, k, j, p, r, e, f, gx, gy, xx, xy, yy = look(s_1, s_2, d, n)
-        a, c = xx - g, yy - g
-        determinant = a * c - xy * xy
-        i = 1.0 / determinant
-        x, y = (xy * gy - c * gx) * i, (xy * gx - a * gy) * i
-        deeper = g + 0.5 * (gx * x + gy * y)
-        way = (x * e[0] + y * f[0], x * e[1] + y * f[1], x * e[2] + y * f[2])
+        radii = mean_1 + mean_2
+        h_1, h_2, k, j, p, r = touched(s_1, s_2, n)
+        g, off = h_1 + h_2 - dot(d, n), (p[0] + r[0] - d[0], p[1] + r[1] - d[1], p[2] + r[2] - d[2])
+        w = radii_tensor(s_1, s_2, k, j, p, r)
+        step, determinant = downhill(w, g, n, off, radii)
+        once = 1.0 / (determinant * radii)  # one division for both
+        i, of_both = once * radii, once * determinant
+        determinant *= of_both
+        way = (-i * step[0], -i * step[1], -i * step[2])
+        trace, turn = w[0] + w[3] + w[5], dot(way, way)
+        deeper = g + 0.5 * dot(off, way)
         moved = times(s_1, way)
         along = dot(p, way)
         nx, ny, nz = n[0] + way[0], n[1] + way[1], n[2] + way[2]
-        off = nx * nx + ny * ny + nz * nz - 1.0
-        unit = 1.0 + off * (-0.5 + 0.375 * off)  # 1/sqrt(1 + off), so near to 1; what is left goes with the next step
+        off_unit = nx * nx + ny * ny + nz * nz - 1.0
+        unit = 1.0 + off_unit * (-0.5 + 0.375 * off_unit)  # 1/sqrt(1 + off_unit), so near to 1; what is left goes with the next step
         nx, ny, nz = nx * unit, ny * unit, nz * unit
-        of_both = 1.0 / (mean_1 + mean_2)
         back = deeper * mean_1 * of_both
         buf[MEAN, q] = mean_1 * mean_2 * of_both
         buf[N, q], buf[N + 1, q], buf[N + 2, q] = nx, ny, nz
         buf[POINT, q] = p[0] + (moved[0] - p[0] * along) * k - back * nx
         buf[POINT + 1, q] = p[1] + (moved[1] - p[1] * along) * k - back * ny
         buf[POINT + 2, q] = p[2] + (moved[2] - p[2] * along) * k - back * nz
-        buf[RADIUS, q], buf[RATIO, q] = pair_shape(s_1, s_2, mean_1, mean_2, k, j, p, r, xx, xy, yy)
+        buf[INVERSE_1, q], buf[INVERSE_2, q], buf[TRACE_1, q], buf[TRACE_2, q] = k, j, trace_across(s_1, p), trace_across(s_2, r)
+        buf[DETERMINANT, q] = determinant + g * (trace - g)
         buf[GAP, q] = deeper
-        sure = (x * x + y * y < buf[LIMIT, q]) & (determinant > 0.0) & (a + c > 0.0) & (buf[HAD, q] > 0.0)
+        sure = (turn < buf[LIMIT, q]) & (determinant > 0.0) & (trace > 2.0 * g) & (buf[HAD, q] > 0.0)
         sure = sure & (deeper <= DEEP * (h_1 + h_2)) & (deeper > 0.0)
         buf[STATE, q] = APART if g < 0.0 else (TOUCHING if sure else OPEN)
+    for q in range(size):  # by itself: roots and divisions wait for each other, and a short loop has many of them on the way
+        mean_1, mean_2, k, j = buf[MEAN_1, q], buf[MEAN_2, q], buf[INVERSE_1, q], buf[INVERSE_2, q]
+        buf[RADIUS, q], buf[RATIO, q] = pair_shape(buf[TRACE_1, q], buf[TRACE_2, q], mean_1, mean_2, k, j, buf[DETERMINANT, q])
 
 
 @inner
@@ -95,10 +112,11 @@ def look_closely(buf, q, n, sharpest):  # type: ignore[no-untyped-def]
     n, _ = closest(s_1, s_2, d, n, sharpest, buf[HAD, q] > 0.0, False)
     g, _, _, k, j, p, r, _, _, _, _, xx, xy, yy = look(s_1, s_2, d, n)
     back = g * mean_1 / (mean_1 + mean_2)
+    buf[MEAN, q] = mean_1 * mean_2 / (mean_1 + mean_2)
     for axis in range(3):
         buf[N + axis, q] = n[axis]
         buf[POINT + axis, q] = p[axis] - back * n[axis]
-    buf[RADIUS, q], buf[RATIO, q] = pair_shape(s_1, s_2, mean_1, mean_2, k, j, p, r, xx, xy, yy)
+    buf[RADIUS, q], buf[RATIO, q] = pair_shape(trace_across(s_1, p), trace_across(s_2, r), mean_1, mean_2, k, j, xx * yy - xy * xy)
     buf[GAP, q] = g
     buf[STATE, q] = TOUCHING if g > 0.0 else APART
 
@@ -135,6 +153,97 @@ def ended(memory, slip, damping, row):  # type: ignore[no-untyped-def]
     return pressed, damped
 
 
+@inlined
+def to_the_front(buf, place, q, to):  # type: ignore[no-untyped-def]
+    """Move what has been found of a pair to another place in its block."""
+    for k in range(OF_PAIR):
+        buf[k, to] = buf[k, q]
+    place[to] = place[q]
+
+
+@inlined
+def pushed(law, share, buf, size):  # type: ignore[no-untyped-def]
+    """Forces of the law, of all contacts of a block whose shape lasts; tells the others."""
+    scale = 1.0 / share
+    for q in range(size):
+        shape, deep = (buf[RADIUS, q] * scale, buf[RATIO, q], buf[MEAN, q] * scale), buf[GAP, q] * share
+        rolled = shaped.begun(shape, (buf[WAS, q], buf[WAS + 1, q], buf[WAS + 2, q], buf[WAS + 3, q]))
+        buf[ALONE, q] = 0.0 if shaped.lasting(shape, deep, rolled) else 1.0
+        f, own, rolled = shaped.lasting_force(law, shape, deep, shaped.remembered(law, buf, OWN, q), rolled)
+        buf[FORCE, q] = f
+        shaped.remember(law, buf, OWN, q, own)
+        buf[WAS, q], buf[WAS + 1, q], buf[WAS + 2, q], buf[WAS + 3, q] = rolled
+
+
+@inner
+def pushed_alone(law, share, buf, q, memory, row):  # type: ignore[no-untyped-def]
+    """The force of the law of a contact that has rolled, from what was before it."""
+    scale = 1.0 / share
+    shape, deep = (buf[RADIUS, q] * scale, buf[RATIO, q], buf[MEAN, q] * scale), buf[GAP, q] * share
+    rolled = (memory[ROLLED, row], memory[ROLLED + 1, row], memory[ROLLED + 2, row], memory[ROLLED + 3, row])
+    f, own, rolled = shaped.shaped_force(law, shape, deep, shaped.remembered(law, memory, OF_LAW, row), rolled)
+    buf[FORCE, q] = f
+    shaped.remember(law, buf, OWN, q, own)
+    buf[WAS, q], buf[WAS + 1, q], buf[WAS + 2, q], buf[WAS + 3, q] = rolled
+
+
+@inlined
+def widths(law, share, buf, size):  # type: ignore[no-untyped-def]
+    """Contact radii that belong to the forces."""
+    scale = 1.0 / share
+    for q in range(size):
+        shape = (buf[WAS, q], buf[WAS + 1, q], buf[MEAN, q] * scale)
+        buf[WIDTH, q] = shaped.contact_radius(law, shape, buf[GAP, q] * share, shaped.remembered(law, buf, OWN, q))
+
+
+@inlined
+def slid(buf, size, gradient, image):  # type: ignore[no-untyped-def]
+    """Velocities of the second surfaces against the first in the contact points, in place of those of the centres.
+
+    gradient: 1/s, of the box, which carries the second body along with the first. image: None if that is a wall, which does not turn.
+    """
+    for q in range(size):
+        d, p = three(buf, D, q), three(buf, POINT, q)
+        ux, uy, uz = three(buf, SPIN_1, q)
+        vx = buf[V, q] + d[0] * gradient[0, 0] + d[1] * gradient[1, 0] + d[2] * gradient[2, 0] - uy * p[2] + uz * p[1]
+        vy = buf[V + 1, q] + d[0] * gradient[0, 1] + d[1] * gradient[1, 1] + d[2] * gradient[2, 1] - uz * p[0] + ux * p[2]
+        vz = buf[V + 2, q] + d[0] * gradient[0, 2] + d[1] * gradient[1, 2] + d[2] * gradient[2, 2] - ux * p[1] + uy * p[0]
+        if image is not None:
+            x, y, z = p[0] - d[0], p[1] - d[1], p[2] - d[2]
+            wx, wy, wz = three(buf, SPIN_2, q)
+            vx, vy, vz = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
+        buf[V, q], buf[V + 1, q], buf[V + 2, q] = vx, vy, vz
+
+
+@inlined
+def rubbed(tangential, buf, size, dt, image):  # type: ignore[no-untyped-def]
+    """Friction: what it is now, what it takes from the force on the second body, and its work in J. `image`: see `slid`."""
+    turning = 1.0 if tangential.turning else 0.0
+    for q in range(size):
+        n, width = three(buf, N, q), buf[WIDTH, q]
+        spun = dot(three(buf, SPIN_1, q), n)
+        if image is not None:
+            mean_1, mean_2 = buf[MEAN_1, q], buf[MEAN_2, q]
+            spun = (mean_1 * spun + mean_2 * dot(three(buf, SPIN_2, q), n)) / (mean_1 + mean_2)
+        had = buf[SLIP + 3, q] if tangential.shrinking else width
+        way, old = (buf[V, q] * dt, buf[V + 1, q] * dt, buf[V + 2, q] * dt), three(buf, SLIP, q)
+        most, stiffness = tangential.friction * dot(three(buf, G, q), n), tangential_stiffness(tangential, width)
+        t, work = dragged(stiffness, most, width, had, spun * dt * turning, n, way, old)
+        buf[SLIP, q], buf[SLIP + 1, q], buf[SLIP + 2, q], buf[SLIP + 3, q] = t[0], t[1], t[2], width
+        buf[G, q], buf[G + 1, q], buf[G + 2, q] = buf[G, q] - t[0], buf[G + 1, q] - t[1], buf[G + 2, q] - t[2]
+        buf[WORK, q] = work
+
+
+@inlined
+def twisted(buf, size):  # type: ignore[no-untyped-def]
+    """Torques on both bodies of a force on the second in the contact point."""
+    for q in range(size):
+        d, p, g = three(buf, D, q), three(buf, POINT, q), three(buf, G, q)
+        buf[T_1, q], buf[T_1 + 1, q], buf[T_1 + 2, q] = p[1] * g[2] - p[2] * g[1], p[2] * g[0] - p[0] * g[2], p[0] * g[1] - p[1] * g[0]
+        x, y, z = p[0] - d[0], p[1] - d[1], p[2] - d[2]
+        buf[T_2, q], buf[T_2 + 1, q], buf[T_2 + 2, q] = y * g[2] - z * g[1], z * g[0] - x * g[2], x * g[1] - y * g[0]
+
+
 @kernel
 def ellipsoid_forces(  # type: ignore[no-untyped-def]
     law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
@@ -146,14 +255,13 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
     `radius` holds mean radii. The tally gets the work of the normal forces of the law, F d(overlap): with a common normal that is all of
     it, since points in contact move apart along the normal as the overlap shrinks. What of it is not stored has been dissipated.
     """
-    buf, place = np.empty((ROWS, BLOCK)), np.empty(BLOCK, np.uint64)
+    buf, place = np.empty((OWN + len(memory) - OF_LAW, BLOCK)), np.empty(BLOCK, np.uint64)
     shift, speed, gradient, walls = frame
     row, last = np.uint64(span[0]), np.uint64(span[1])
     pressed, damped, sheared, largest = 0.0, 0.0, 0.0, 0.0
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    shrinking, turning, scale = False, 0.0, 1.0 / share
-    if tangential is not None:
-        shrinking, turning = tangential.shrinking, 1.0 if tangential.turning else 0.0
+    # the first body stays the same for a few pairs: its sums wait until it changes
+    fx, fy, fz, tx, ty, tz, current = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, first[row] if row < last else np.uint32(0)
     while row < last:
         size = np.uint64(0)
         while row < last and size < np.uint64(BLOCK):
@@ -191,103 +299,110 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
         else:
             for q in range(size):
                 on_wall(buf, q)
-        # the first body stays the same for a few pairs: its sums wait until it changes
-        current = first[place[0]] if size > np.uint64(0) else first[row - ONE]
-        fx, fy, fz, tx, ty, tz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        touching = np.uint64(0)
         for q in range(size):
             at = place[q]
-            i, j = first[at], partner[at]
-            if image is not None:
-                if buf[STATE, q] == OPEN:
-                    look_closely(buf, q, three(memory, AXIS, at), extent[i, SHARPEST] + extent[j, SHARPEST])
-                    for a in range(3):
-                        memory[AXIS + a, at] = buf[N + a, q]
-                elif buf[STATE, q] == TOUCHING:
-                    for a in range(3):
-                        memory[AXIS + a, at] = buf[N + a, q]
-            else:
+            if image is not None and buf[STATE, q] == OPEN:
+                look_closely(buf, q, three(memory, AXIS, at), extent[first[at], SHARPEST] + extent[partner[at], SHARPEST])
                 for a in range(3):
                     memory[AXIS + a, at] = buf[N + a, q]
-            if buf[STATE, q] == APART:
-                if buf[HAD, q] != 0.0:
-                    one, two = ended(memory, slip, damping, at)
-                    pressed, damped = pressed + one, damped + two
-                continue
-            n, p, overlap = three(buf, N, q), three(buf, POINT, q), buf[GAP, q]
-            mean = buf[MEAN, q] * scale
-            shape, deep = (buf[RADIUS, q] * scale, buf[RATIO, q], mean), overlap * share
-            own = shaped.remembered(law, memory, OF_LAW, at)
-            rolled = (memory[ROLLED, at], memory[ROLLED + 1, at], memory[ROLLED + 2, at], memory[ROLLED + 3, at])
-            f, own, rolled = shaped.shaped_force(law, shape, deep, own, rolled)
-            change = overlap - buf[HAD, q]
-            pressed += 0.5 * (f + memory[PUSH, at]) * change
-            largest = max(largest, deep / mean)
+            if buf[STATE, q] == TOUCHING:
+                for a in range(3):
+                    memory[AXIS + a, at] = buf[N + a, q]
+                if touching != q:
+                    to_the_front(buf, place, q, touching)
+                touching += ONE
+            elif buf[HAD, q] != 0.0:
+                one, two = ended(memory, slip, damping, at)
+                pressed, damped = pressed + one, damped + two
+        size = touching
+        for q in range(size):
+            at = place[q]
+            for k in range(4):
+                buf[WAS + k, q] = memory[ROLLED + k, at]
+            buf[PUSHED, q] = memory[PUSH, at]
+            shaped.remember(law, buf, OWN, q, shaped.remembered(law, memory, OF_LAW, at))
+        pushed(law, share, buf, size)
+        for q in range(size):
+            if buf[ALONE, q] != 0.0:
+                pushed_alone(law, share, buf, q, memory, place[q])
+        for q in range(size):
+            f = buf[FORCE, q]
+            buf[G, q], buf[G + 1, q], buf[G + 2, q] = f * buf[N, q], f * buf[N + 1, q], f * buf[N + 2, q]
+        if rates is not None:
+            widths(law, share, buf, size)
+            for q in range(size):
+                i, j = first[place[q]], partner[place[q]]
+                for a in range(3):
+                    buf[SPIN_1 + a, q] = spin[i, a]
+                    if image is not None:
+                        buf[V + a, q] = velocity[j, a] - velocity[i, a] + speed[image[place[q]], a]
+                        buf[SPIN_2 + a, q] = spin[j, a]
+                    else:
+                        buf[V + a, q] = (walls[j, 3] if a == int(walls[j, 0]) else 0.0) - velocity[i, a]
+            slid(buf, size, gradient, image)
+        if damper is not None:
+            m = one_mass if image is None else 0.5 * one_mass
+            for q in range(size):
+                at, f = place[q], buf[FORCE, q]
+                if mass is not None:
+                    m = mass[first[at]] if image is None else 1.0 / (1.0 / mass[first[at]] + 1.0 / mass[partner[at]])
+                n = three(buf, N, q)
+                held = max(f + damper_force(damper, buf[WIDTH, q], m, -dot(three(buf, V, q), n)), 0.0) - f
+                damped += 0.5 * (held + damping[at]) * (buf[GAP, q] - buf[HAD, q])
+                damping[at] = held
+                buf[G, q], buf[G + 1, q], buf[G + 2, q] = (f + held) * n[0], (f + held) * n[1], (f + held) * n[2]
+        if tangential is not None:
+            for q in range(size):
+                for a in range(4):
+                    buf[SLIP + a, q] = slip[a, place[q]]
+            rubbed(tangential, buf, size, dt, image)
+            for q in range(size):
+                sheared += buf[WORK, q]
+                for a in range(4):
+                    slip[a, place[q]] = buf[SLIP + a, q]
+        twisted(buf, size)
+        for q in range(size):
+            at = place[q]
+            i, j, overlap, f = first[at], partner[at], buf[GAP, q], buf[FORCE, q]
+            pressed += 0.5 * (f + buf[PUSHED, q]) * (overlap - buf[HAD, q])
+            largest = max(largest, overlap * share * share / buf[MEAN, q])
             memory[BEFORE, at], memory[PUSH, at] = overlap, f
             for k in range(4):
-                memory[ROLLED + k, at] = rolled[k]
-            shaped.remember(law, memory, OF_LAW, at, own)
-            d = (p[0], p[1], p[2])
+                memory[ROLLED + k, at] = buf[WAS + k, q]
+            shaped.remember(law, memory, OF_LAW, at, shaped.remembered(law, buf, OWN, q))
+            if i != current:
+                force[current, 0] -= fx
+                force[current, 1] -= fy
+                force[current, 2] -= fz
+                torque[current, 0] -= tx
+                torque[current, 1] -= ty
+                torque[current, 2] -= tz
+                fx, fy, fz, tx, ty, tz, current = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, i
+            gx, gy, gz = three(buf, G, q)
+            fx, fy, fz = fx + gx, fy + gy, fz + gz
+            tx, ty, tz = tx + buf[T_1, q], ty + buf[T_1 + 1, q], tz + buf[T_1 + 2, q]
+            d = three(buf, POINT, q)
             if image is not None:
                 d = three(buf, D, q)
-            if rates is not None:
-                width = shaped.contact_radius(law, shaped.counted(shape, rolled), deep, own)
-                v = relative_velocity(velocity, spin, walls, gradient, speed, image, at, i, j, d, p)
-                if damper is not None:
-                    m = one_mass if image is None else 0.5 * one_mass
-                    if mass is not None:
-                        m = mass[i] if image is None else mass[i] * mass[j] / (mass[i] + mass[j])
-                    held = max(f + damper_force(damper, width, m, -dot(v, n)), 0.0) - f
-                    damped += 0.5 * (held + damping[at]) * change
-                    damping[at] = held
-                    f += held
-            gx, gy, gz = f * n[0], f * n[1], f * n[2]
-            if tangential is not None:
-                had = slip[3, at] if shrinking else width
-                spun = spin[i, 0] * n[0] + spin[i, 1] * n[1] + spin[i, 2] * n[2]
-                if image is not None:
-                    other = spin[j, 0] * n[0] + spin[j, 1] * n[1] + spin[j, 2] * n[2]
-                    spun = (buf[MEAN_1, q] * spun + buf[MEAN_2, q] * other) / (buf[MEAN_1, q] + buf[MEAN_2, q])
-                way, most = (v[0] * dt, v[1] * dt, v[2] * dt), tangential.friction * f
-                stiffness, old = tangential_stiffness(tangential, width), (slip[0, at], slip[1, at], slip[2, at])
-                t, work = dragged(stiffness, most, width, had, spun * dt * turning, n, way, old)
-                slip[0, at], slip[1, at], slip[2, at], slip[3, at] = t[0], t[1], t[2], width
-                sheared += work
-                gx, gy, gz = gx - t[0], gy - t[1], gz - t[2]
-            if i != current:
-                force[current, 0], force[current, 1], force[current, 2] = (
-                    force[current, 0] - fx,
-                    force[current, 1] - fy,
-                    force[current, 2] - fz,
-                )
-                torque[current, 0], torque[current, 1], torque[current, 2] = (
-                    torque[current, 0] - tx,
-                    torque[current, 1] - ty,
-                    torque[current, 2] - tz,
-                )
-                fx, fy, fz, tx, ty, tz, current = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, i
-            fx, fy, fz = fx + gx, fy + gy, fz + gz
-            tx, ty, tz = tx + p[1] * gz - p[2] * gy, ty + p[2] * gx - p[0] * gz, tz + p[0] * gy - p[1] * gx
-            if image is not None:
-                x, y, z = p[0] - d[0], p[1] - d[1], p[2] - d[2]
-                force[j, 0], force[j, 1], force[j, 2] = force[j, 0] + gx, force[j, 1] + gy, force[j, 2] + gz
-                torque[j, 0] += y * gz - z * gy
-                torque[j, 1] += z * gx - x * gz
-                torque[j, 2] += x * gy - y * gx
+                for a in range(3):
+                    force[j, a] += buf[G + a, q]
+                    torque[j, a] += buf[T_2 + a, q]
             else:
-                reaction[j, 0], reaction[j, 1], reaction[j, 2] = reaction[j, 0] + gx, reaction[j, 1] + gy, reaction[j, 2] + gz
+                for a in range(3):
+                    reaction[j, a] += buf[G + a, q]
             xx, xy, xz = xx + d[0] * gx, xy + d[0] * gy, xz + d[0] * gz
             yx, yy, yz = yx + d[1] * gx, yy + d[1] * gy, yz + d[1] * gz
             zx, zy, zz = zx + d[2] * gx, zy + d[2] * gy, zz + d[2] * gz
             if len(network) > 0:
                 network[at, 0], network[at, 1], network[at, 2] = gx, gy, gz
+    if span[0] < span[1]:
         force[current, 0] -= fx
         force[current, 1] -= fy
         force[current, 2] -= fz
-        torque[current, 0], torque[current, 1], torque[current, 2] = (
-            torque[current, 0] - tx,
-            torque[current, 1] - ty,
-            torque[current, 2] - tz,
-        )
+        torque[current, 0] -= tx
+        torque[current, 1] -= ty
+        torque[current, 2] -= tz
     virial[0, 0], virial[0, 1], virial[0, 2] = virial[0, 0] + xx, virial[0, 1] + xy, virial[0, 2] + xz
     virial[1, 0], virial[1, 1], virial[1, 2] = virial[1, 0] + yx, virial[1, 1] + yy, virial[1, 2] + yz
     virial[2, 0], virial[2, 1], virial[2, 2] = virial[2, 0] + zx, virial[2, 1] + zy, virial[2, 2] + zz
@@ -312,28 +427,6 @@ def ellipsoid_energies(law, tangential, share, memory, slip, radius_1, radius_2,
             stiffness = tangential_stiffness(tangential, max(slip[3, row], NEAREST))
             sheared += 0.5 * (slip[0, row] ** 2 + slip[1, row] ** 2 + slip[2, row] ** 2) / stiffness
     return held, sheared
-
-
-@inlined
-def relative_velocity(velocity, spin, walls, gradient, speed, image, row, i, j, d, p):  # type: ignore[no-untyped-def]
-    """Of the second surface (or the wall) against the first in the contact point, m/s: p from the first centre, d to the second."""
-    vx, vy, vz = -velocity[i, 0], -velocity[i, 1], -velocity[i, 2]
-    if image is not None:
-        s = image[row]
-        vx, vy, vz = vx + velocity[j, 0] + speed[s, 0], vy + velocity[j, 1] + speed[s, 1], vz + velocity[j, 2] + speed[s, 2]
-        x, y, z = p[0] - d[0], p[1] - d[1], p[2] - d[2]
-        vx += spin[j, 1] * z - spin[j, 2] * y
-        vy += spin[j, 2] * x - spin[j, 0] * z
-        vz += spin[j, 0] * y - spin[j, 1] * x
-    else:
-        axis = int(walls[j, 0])
-        vx += walls[j, 3] if axis == 0 else 0.0
-        vy += walls[j, 3] if axis == 1 else 0.0
-        vz += walls[j, 3] if axis == 2 else 0.0
-    vx += d[0] * gradient[0, 0] + d[1] * gradient[1, 0] + d[2] * gradient[2, 0] - spin[i, 1] * p[2] + spin[i, 2] * p[1]
-    vy += d[0] * gradient[0, 1] + d[1] * gradient[1, 1] + d[2] * gradient[2, 1] - spin[i, 2] * p[0] + spin[i, 0] * p[2]
-    vz += d[0] * gradient[0, 2] + d[1] * gradient[1, 2] + d[2] * gradient[2, 2] - spin[i, 0] * p[1] + spin[i, 1] * p[0]
-    return vx, vy, vz
 
 
 def _ellipsoids_on_threads(  # type: ignore[no-untyped-def]
