@@ -21,9 +21,10 @@ from contactlaws.ellipsoid_gap import DEEP, closest, dot, downhill, look, pair_s
 from contactlaws.tangential import damper_force, dragged, tangential_stiffness
 from dem.forces import DAMPED, LARGEST, NEAREST, ONE, PRESSED, SHEARED, clear
 
-#: rows of what a contact remembers: the common normal (also of pairs that are apart); overlap in m; normal force of the law in N; what
+#: rows of what a contact remembers: the common normal (also of pairs that are apart); of those, how far in m the centres must be from each
+#: other along it to be apart for sure, less how far surfaces had turned by then, or 0; overlap in m; normal force of the law in N; what
 #: contactlaws.shaped.ROLLED says; the law's own
-AXIS, BEFORE, PUSH, ROLLED, OF_LAW = 0, 3, 4, 5, 9
+AXIS, FREE, BEFORE, PUSH, ROLLED, OF_LAW = 0, 3, 4, 5, 6, 10
 #: columns of `rotation.Shapes.extent`
 REACH, SHARPEST, GRACE = 0, 1, 2
 #: pairs taken at a time
@@ -95,7 +96,7 @@ def improve(buf, size):  # type: ignore[no-untyped-def]
         buf[POINT + 2, q] = p[2] + (moved[2] - p[2] * along) * k - back * nz
         buf[INVERSE_1, q], buf[INVERSE_2, q], buf[TRACE_1, q], buf[TRACE_2, q] = k, j, trace_across(s_1, p), trace_across(s_2, r)
         buf[DETERMINANT, q] = determinant + g * (trace - g)
-        buf[GAP, q] = deeper
+        buf[GAP, q] = g if g < 0.0 else deeper  # of bodies apart that along the normal they had
         sure = (turn < buf[LIMIT, q]) & (determinant > 0.0) & (trace > 2.0 * g) & (buf[HAD, q] > 0.0)
         sure = sure & (deeper <= DEEP * (h_1 + h_2)) & (deeper > 0.0)
         buf[STATE, q] = APART if g < 0.0 else (TOUCHING if sure else OPEN)
@@ -247,18 +248,21 @@ def twisted(buf, size):  # type: ignore[no-untyped-def]
 @kernel
 def ellipsoid_forces(  # type: ignore[no-untyped-def]
     law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-    position, velocity, spin, radius, mass, one_mass, surface, extent, frame, dt, span,
+    position, velocity, spin, radius, mass, one_mass, surface, extent, turned, frame, dt, span,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
     """Add the forces (N) and torques (N m) of the pairs `span[0]` to `span[1]`: see `dem.forces.pair_forces`.
 
     `radius` holds mean radii. The tally gets the work of the normal forces of the law, F d(overlap): with a common normal that is all of
     it, since points in contact move apart along the normal as the overlap shrinks. What of it is not stored has been dissipated.
+
+    A pair that was apart along its normal is passed over until its centres have come nearer along it, or surfaces have turned, by as much
+    as its gap: to look at it would find it apart, and change nothing.
     """
     buf, place = np.empty((OWN + len(memory) - OF_LAW, BLOCK)), np.empty(BLOCK, np.uint64)
     shift, speed, gradient, walls = frame
     row, last = np.uint64(span[0]), np.uint64(span[1])
-    pressed, damped, sheared, largest = 0.0, 0.0, 0.0, 0.0
+    pressed, damped, sheared, largest, so_far = 0.0, 0.0, 0.0, 0.0, turned[0]
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     # the first body stays the same for a few pairs: its sums wait until it changes
     fx, fy, fz, tx, ty, tz, current = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, first[row] if row < last else np.uint32(0)
@@ -271,6 +275,10 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
                 for a in range(3):
                     buf[D + a, size] = position[j, a] + shift[s, a] - position[i, a]
                     buf[N + a, size] = memory[AXIS + a, row]
+                free = memory[FREE, row]
+                if free > 0.0 and dot(three(buf, D, size), three(buf, N, size)) - so_far > free:
+                    row += ONE
+                    continue
                 reach += extent[j, REACH]
             else:
                 for a in range(3):
@@ -312,9 +320,13 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
                 if touching != q:
                     to_the_front(buf, place, q, touching)
                 touching += ONE
-            elif buf[HAD, q] != 0.0:
-                one, two = ended(memory, slip, damping, at)
-                pressed, damped = pressed + one, damped + two
+                if buf[HAD, q] == 0.0:
+                    memory[FREE, at] = 0.0
+            else:
+                if buf[HAD, q] != 0.0:
+                    one, two = ended(memory, slip, damping, at)
+                    pressed, damped = pressed + one, damped + two
+                memory[FREE, at] = max(0.0, buf[GAP, q] + dot(three(buf, D, q), three(memory, AXIS, at)) - so_far)
         size = touching
         for q in range(size):
             at = place[q]
@@ -368,8 +380,10 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
             pressed += 0.5 * (f + buf[PUSHED, q]) * (overlap - buf[HAD, q])
             largest = max(largest, overlap * share * share / buf[MEAN, q])
             memory[BEFORE, at], memory[PUSH, at] = overlap, f
-            for k in range(4):
-                memory[ROLLED + k, at] = buf[WAS + k, q]
+            memory[ROLLED + 3, at] = buf[WAS + 3, q]
+            if (buf[HAD, q] == 0.0) | (buf[ALONE, q] != 0.0):
+                for k in range(3):
+                    memory[ROLLED + k, at] = buf[WAS + k, q]
             shaped.remember(law, memory, OF_LAW, at, shaped.remembered(law, buf, OWN, q))
             if i != current:
                 force[current, 0] -= fx
@@ -431,7 +445,7 @@ def ellipsoid_energies(law, tangential, share, memory, slip, radius_1, radius_2,
 
 def _ellipsoids_on_threads(  # type: ignore[no-untyped-def]
     law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-    position, velocity, spin, radius, mass, one_mass, surface, extent, frame, dt,
+    position, velocity, spin, radius, mass, one_mass, surface, extent, turned, frame, dt,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
     """`ellipsoid_forces` of all pairs of one kind, a share on each thread."""
@@ -439,7 +453,7 @@ def _ellipsoids_on_threads(  # type: ignore[no-untyped-def]
     for part in numba.prange(parts):
         ellipsoid_forces(
             law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-            position, velocity, spin, radius, mass, one_mass, surface, extent, frame, dt,
+            position, velocity, spin, radius, mass, one_mass, surface, extent, turned, frame, dt,
             (count * part // parts, count * (part + 1) // parts),
             force[part], torque[part], virial[part], reaction[part], network, tally[part],
         )  # fmt: skip
@@ -460,7 +474,7 @@ def forces_of_ellipsoids(groups, bodies, shapes, frame, dt, force, torque, viria
             roles.normal, roles.tangential, roles.damper, roles.share, roles.rates,
             rows.first, rows.partner, rows.image, past.memory, past.slip, past.damping,
             bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.mass, bodies.one_mass,
-            shapes.surface, shapes.extent,
+            shapes.surface, shapes.extent, shapes.turned,
             frame, dt, (np.int64(0), len(rows.first)), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
         )  # fmt: skip
 
@@ -477,6 +491,6 @@ def forces_of_ellipsoids_on_threads(groups, bodies, shapes, frame, dt, force, to
             roles.normal, roles.tangential, roles.damper, roles.share, roles.rates,
             rows.first, rows.partner, rows.image, past.memory, past.slip, past.damping,
             bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.mass, bodies.one_mass,
-            shapes.surface, shapes.extent,
+            shapes.surface, shapes.extent, shapes.turned,
             frame, dt, force, torque, virial, reaction, nothing, tally,
         )  # fmt: skip

@@ -213,7 +213,7 @@ def advance(  # type: ignore[no-untyped-def]
     dt, fade, parts = deformation.dt, math.exp(-deformation.drag * deformation.dt), len(force)
     begun = drifted
     travel = farthest(bodies.position, listed, cell if deformation.affine else listed.cell)  # since the list was made, maybe calls ago
-    sums, change, gradient = np.zeros((parts, 3)), np.zeros((3, 3)), np.zeros((3, 3))
+    sums, change, gradient = np.zeros((parts, 4)), np.zeros((3, 3)), np.zeros((3, 3))
     speed, middle = np.zeros_like(listed.images), np.zeros((3, 3))
     controlled = deformation.gain[0] + deformation.gain[1] + deformation.gain[2] > 0.0
     for now in range(step, step + steps):

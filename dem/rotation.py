@@ -35,6 +35,7 @@ class Shapes(NamedTuple):
     ease: FloatArray  # 1/(kg m2), inverse moments of inertia about the principal axes, shape (n, 3)
     surface: FloatArray  # m2, see contactlaws.ellipsoid_gap; shape (n, 6)
     extent: FloatArray  # m, the largest half axis a; m, the least radius of curvature c^2/a; (CLOSE c/a)^2; shape (n, 3)
+    turned: FloatArray  # m, shape (1,): bound of how far any two surfaces have come nearer by turning, since the list of pairs was made
 
 
 def inertia_of(mass: FloatArray, axes: FloatArray) -> FloatArray:
@@ -51,7 +52,7 @@ def shapes_of(axes: FloatArray, orientation: FloatArray, mass: FloatArray, spin:
     place_surfaces(axes, orientation, surface)
     long, short = axes.max(axis=1), axes.min(axis=1)
     extent = np.stack([long, short * short / long, (CLOSE * short / long) ** 2], axis=1)
-    return Shapes(axes, orientation, momentum, 1.0 / inertia, surface, extent)
+    return Shapes(axes, orientation, momentum, 1.0 / inertia, surface, extent, np.zeros(1))
 
 
 def matrices(orientation: FloatArray) -> FloatArray:
@@ -136,8 +137,8 @@ def axes_of(w, x, y, z):  # type: ignore[no-untyped-def]
 
 
 #: rows of a block of bodies: quaternion; torque; momentum in the laboratory and in the body; inverse moments; half axes; what comes of it
-Q, T, L, OWN, EASE, AXES, SURFACE, SPIN, FAST, TAKEN = 0, 4, 7, 10, 13, 16, 19, 25, 28, 29
-ROWS, BLOCK = 30, 64
+Q, T, L, OWN, EASE, AXES, SURFACE, SPIN, FAST, TAKEN, SWEPT = 0, 4, 7, 10, 13, 16, 19, 25, 28, 29, 30
+ROWS, BLOCK = 31, 64
 
 
 @inlined
@@ -155,6 +156,9 @@ def kick(buf, size, before, fade, after):  # type: ignore[no-untyped-def]
         buf[OWN, q], buf[OWN + 1, q], buf[OWN + 2, q] = a, b, c
         most = max(ia, max(ib, ic))
         buf[FAST, q] = (a * a + b * b + c * c) * most * most  # no part of the spin is larger, squared
+        # a tangent plane moves no faster than its point of contact is off the line from the centre along the normal: a - c at most
+        off = max(buf[AXES, q], max(buf[AXES + 1, q], buf[AXES + 2, q])) - min(buf[AXES, q], min(buf[AXES + 1, q], buf[AXES + 2, q]))
+        buf[SWEPT, q] = buf[FAST, q] * off * off
 
 
 @inlined
@@ -192,10 +196,11 @@ def follow_turns(buf, size):  # type: ignore[no-untyped-def]
 def turn(orientation, momentum, ease, axes, surface, spin, torque, before, fade, after, dt, begin, end):  # type: ignore[no-untyped-def]
     """Kick the bodies `begin` to `end` for `before` (s), let their spin fade by a factor, kick for `after`, turn for `dt`.
 
-    `torque` holds one sum (N m) per thread. Writes spins and surfaces that belong to the new state; returns what the drag took, J. Bodies
-    are taken in blocks, and each pass over a block is without a branch, so that the compiler makes it several bodies wide.
+    `torque` holds one sum (N m) per thread. Writes spins and surfaces that belong to the new state; returns what the drag took, J, and the
+    largest speed of any tangent plane, squared, at most. Bodies are taken in blocks, and each pass over a block is without a branch, so
+    that the compiler makes it several bodies wide.
     """
-    buf, taken = np.empty((ROWS, BLOCK)), 0.0
+    buf, taken, swept = np.empty((ROWS, BLOCK)), 0.0, 0.0
     start, last = np.uint64(begin), np.uint64(end)
     while start < last:
         size = min(np.uint64(BLOCK), last - start)
@@ -226,6 +231,7 @@ def turn(orientation, momentum, ease, axes, surface, spin, torque, before, fade,
         for q in range(size):
             i = start + q
             taken += buf[TAKEN, q]
+            swept = max(swept, buf[SWEPT, q])
             for k in range(4):
                 orientation[i, k] = buf[Q + k, q]
             for k in range(3):
@@ -233,7 +239,7 @@ def turn(orientation, momentum, ease, axes, surface, spin, torque, before, fade,
             for k in range(6):
                 surface[i, k] = buf[SURFACE + k, q]
         start += size
-    return taken
+    return taken, swept
 
 
 @kernel

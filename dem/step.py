@@ -5,6 +5,8 @@ Which of the two is decided by a type while compiling, `shapes` being None or no
 
 from __future__ import annotations
 
+import math
+
 import numba
 from numba import types
 from numba.extending import overload
@@ -102,10 +104,11 @@ def _turn_on_threads(  # type: ignore[no-untyped-def]
     """`turn` of all ellipsoids, a share on each thread; what it returns goes into the rows of `sums`."""
     parts, count = len(sums), len(orientation)
     for part in numba.prange(parts):
-        sums[part, 0] += turn(
+        taken, swept = turn(
             orientation, momentum, ease, axes, surface, spin, torque, before, fade, after, dt,
             count * part // parts, count * (part + 1) // parts,
         )  # fmt: skip
+        sums[part, 0], sums[part, 3] = sums[part, 0] + taken, swept
 
 
 turn_on_threads = kernel(_turn_on_threads, parallel=True)
@@ -119,10 +122,11 @@ def move_ellipsoids(threaded, bodies, shapes, force, torque, before, fade, after
             bodies.position, bodies.velocity, None, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
             force, torque, before, fade, after, dt, carried, stretch, back, 0, len(bodies.position),
         )  # fmt: skip
-        sums[0, 0] += turn(
+        taken, swept = turn(
             shapes.orientation, shapes.momentum, shapes.ease, shapes.axes, shapes.surface, bodies.spin,
             torque, before, fade, after, dt, 0, len(bodies.position),
         )  # fmt: skip
+        sums[0, 0], sums[0, 3] = sums[0, 0] + taken, swept
     else:
         move_on_threads(
             bodies.position, bodies.velocity, None, bodies.radius, bodies.one_radius, bodies.mass, bodies.one_mass,
@@ -132,6 +136,10 @@ def move_ellipsoids(threaded, bodies, shapes, force, torque, before, fade, after
             shapes.orientation, shapes.momentum, shapes.ease, shapes.axes, shapes.surface, bodies.spin,
             torque, before, fade, after, dt, sums,
         )  # fmt: skip
+    fastest = 0.0
+    for part in range(len(sums)):
+        fastest = max(fastest, sums[part, 3])
+    shapes.turned[0] += 2.0 * dt * math.sqrt(fastest)
 
 
 def move_all(threaded, bodies, shapes, force, torque, before, fade, after, dt, carried, stretch, back, sums):  # type: ignore[no-untyped-def]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from contactlaws import dispatch, pair, shaped
 from dem.box import Box
-from dem.ellipsoid_forces import AXIS, BEFORE, OF_LAW, PUSH, REACH, ellipsoid_forces
+from dem.ellipsoid_forces import AXIS, BEFORE, FREE, OF_LAW, PUSH, REACH, ellipsoid_forces
 from dem.forces import LOST, PRESSED, TALLIES, Bodies, Frame, Past, Roles, Rows, pair_forces
 from dem.laws import in_time, known_law
 from dem.motion import Deformation, Listed, advance
@@ -235,6 +235,8 @@ def relisted(work: Working) -> Working:
         new = (first[chosen], partner[chosen], image[chosen])
         groups.append(_carried_over(work, group, new, images))
     listed = Listed(bodies.position.copy(), work.cell.copy(), images.astype(float), skin, work.listed.reach)
+    if work.shapes is not None:
+        work.shapes.turned[:] = 0.0  # with what is counted from it, in `_carried_over`
     return work._replace(groups=tuple(groups), listed=listed)
 
 
@@ -268,6 +270,7 @@ def _carried_over(work: Working, group: Group, new: tuple[Any, Any, Any], images
                 work.tally[0, PRESSED] -= 0.5 * float(np.sum(memory[homeless, PUSH] * memory[homeless, BEFORE]))
         kept = Past(*(None if array is None else _moved(array, source, there, array is group.memory) for array in past))
         if work.shapes is not None and kept.memory is not None:
+            kept.memory[FREE] = 0.0
             kept.memory[AXIS : AXIS + 3, ~there] = _centre_lines(work, first[~there], partner[~there], images[image[~there]], rows.image)
     number = np.uint16 if len(images) <= np.iinfo(np.uint16).max else np.uint32  # of images: spheres may be anywhere in space
     listed = None if rows.image is None else image.astype(number)
@@ -305,7 +308,7 @@ def _ended(work: Working, group: Group, row: int) -> float:
 
 
 #: arrays of `Shapes` that change
-TURNING = ("orientation", "momentum", "surface")
+TURNING = ("orientation", "momentum", "surface", "turned")
 #: arrays of the state itself
 OWN = ("cell", "old", "begun", "walls", "force", "torque", "virial", "reaction", "tally")
 
@@ -356,7 +359,7 @@ def forces_between(work: Working) -> list[FloatArray]:
         else:
             physics = (roles.normal, roles.tangential, roles.damper, roles.share, roles.rates)
             b, s = work.bodies, work.shapes
-            places = (b.position, b.velocity, b.spin, b.radius, b.mass, b.one_mass, s.surface, s.extent)
+            places = (b.position, b.velocity, b.spin, b.radius, b.mass, b.one_mass, s.surface, s.extent, s.turned)
             ellipsoid_forces(*physics, *rows, past.memory, past.slip, past.damping, *places, frame, 0.0, span, *sums, network, tally)
         found.append(network)
     return found
