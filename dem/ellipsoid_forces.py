@@ -25,8 +25,8 @@ from dem.forces import DAMPED, LARGEST, NEAREST, ONE, PRESSED, SHEARED, clear
 #: other along it to be apart for sure, less how far surfaces had turned by then, or 0; overlap in m; normal force of the law in N; what
 #: contactlaws.shaped.ROLLED says; the law's own
 AXIS, FREE, BEFORE, PUSH, ROLLED, OF_LAW = 0, 3, 4, 5, 6, 10
-#: columns of `rotation.Shapes.extent`
-REACH, SHARPEST, GRACE = 0, 1, 2
+#: columns of `rotation.Shapes.surface` after the tensor
+REACH, SHARPEST, GRACE = 6, 7, 8
 #: pairs taken at a time
 BLOCK = 32
 #: rows of a block. Of a pair: centre to centre; normal; contact point; overlap now and before; shape of the gap; mean radius of both as of
@@ -248,7 +248,7 @@ def twisted(buf, size):  # type: ignore[no-untyped-def]
 @kernel
 def ellipsoid_forces(  # type: ignore[no-untyped-def]
     law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-    position, velocity, spin, radius, mass, one_mass, surface, extent, turned, frame, dt, span,
+    position, velocity, spin, radius, mass, one_mass, surface, turned, frame, dt, span,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
     """Add the forces (N) and torques (N m) of the pairs `span[0]` to `span[1]`: see `dem.forces.pair_forces`.
@@ -269,17 +269,18 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
     while row < last:
         size = np.uint64(0)
         while row < last and size < np.uint64(BLOCK):
-            i, j, reach = first[row], partner[row], extent[first[row], REACH]
+            i, j, reach = first[row], partner[row], surface[first[row], REACH]
             if image is not None:
                 s = image[row]
                 for a in range(3):
                     buf[D + a, size] = position[j, a] + shift[s, a] - position[i, a]
                     buf[N + a, size] = memory[AXIS + a, row]
-                free = memory[FREE, row]
-                if free > 0.0 and dot(three(buf, D, size), three(buf, N, size)) - so_far > free:
-                    row += ONE
-                    continue
-                reach += extent[j, REACH]
+                if memory[BEFORE, row] == 0.0:
+                    free = memory[FREE, row]
+                    if free > 0.0 and dot(three(buf, D, size), three(buf, N, size)) - so_far > free:
+                        row += ONE
+                        continue
+                reach += surface[j, REACH]
             else:
                 for a in range(3):
                     here = a == int(walls[j, 0])
@@ -294,7 +295,7 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
                     for k in range(6):
                         buf[S_2 + k, size] = surface[j, k]
                     buf[MEAN_2, size] = radius[j]
-                    buf[LIMIT, size] = min(extent[i, GRACE], extent[j, GRACE])
+                    buf[LIMIT, size] = min(surface[i, GRACE], surface[j, GRACE])
                 buf[HAD, size] = memory[BEFORE, row]
                 place[size] = row
                 size += ONE
@@ -311,7 +312,7 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
         for q in range(size):
             at = place[q]
             if image is not None and buf[STATE, q] == OPEN:
-                look_closely(buf, q, three(memory, AXIS, at), extent[first[at], SHARPEST] + extent[partner[at], SHARPEST])
+                look_closely(buf, q, three(memory, AXIS, at), surface[first[at], SHARPEST] + surface[partner[at], SHARPEST])
                 for a in range(3):
                     memory[AXIS + a, at] = buf[N + a, q]
             if buf[STATE, q] == TOUCHING:
@@ -445,7 +446,7 @@ def ellipsoid_energies(law, tangential, share, memory, slip, radius_1, radius_2,
 
 def _ellipsoids_on_threads(  # type: ignore[no-untyped-def]
     law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-    position, velocity, spin, radius, mass, one_mass, surface, extent, turned, frame, dt,
+    position, velocity, spin, radius, mass, one_mass, surface, turned, frame, dt,
     force, torque, virial, reaction, network, tally,
 ):  # fmt: skip
     """`ellipsoid_forces` of all pairs of one kind, a share on each thread."""
@@ -453,7 +454,7 @@ def _ellipsoids_on_threads(  # type: ignore[no-untyped-def]
     for part in numba.prange(parts):
         ellipsoid_forces(
             law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
-            position, velocity, spin, radius, mass, one_mass, surface, extent, turned, frame, dt,
+            position, velocity, spin, radius, mass, one_mass, surface, turned, frame, dt,
             (count * part // parts, count * (part + 1) // parts),
             force[part], torque[part], virial[part], reaction[part], network, tally[part],
         )  # fmt: skip
@@ -474,7 +475,7 @@ def forces_of_ellipsoids(groups, bodies, shapes, frame, dt, force, torque, viria
             roles.normal, roles.tangential, roles.damper, roles.share, roles.rates,
             rows.first, rows.partner, rows.image, past.memory, past.slip, past.damping,
             bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.mass, bodies.one_mass,
-            shapes.surface, shapes.extent, shapes.turned,
+            shapes.surface, shapes.turned,
             frame, dt, (np.int64(0), len(rows.first)), force[0], torque[0], virial[0], reaction[0], nothing, tally[0],
         )  # fmt: skip
 
@@ -491,6 +492,6 @@ def forces_of_ellipsoids_on_threads(groups, bodies, shapes, frame, dt, force, to
             roles.normal, roles.tangential, roles.damper, roles.share, roles.rates,
             rows.first, rows.partner, rows.image, past.memory, past.slip, past.damping,
             bodies.position, bodies.velocity, bodies.spin, bodies.radius, bodies.mass, bodies.one_mass,
-            shapes.surface, shapes.extent, shapes.turned,
+            shapes.surface, shapes.turned,
             frame, dt, force, torque, virial, reaction, nothing, tally,
         )  # fmt: skip

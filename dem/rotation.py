@@ -33,8 +33,8 @@ class Shapes(NamedTuple):
     orientation: FloatArray  # unit quaternions, shape (n, 4)
     momentum: FloatArray  # kg m2/s, angular, in the laboratory, shape (n, 3)
     ease: FloatArray  # 1/(kg m2), inverse moments of inertia about the principal axes, shape (n, 3)
-    surface: FloatArray  # m2, see contactlaws.ellipsoid_gap; shape (n, 6)
-    extent: FloatArray  # m, the largest half axis a; m, the least radius of curvature c^2/a; (CLOSE c/a)^2; shape (n, 3)
+    surface: FloatArray  # S in m2, see contactlaws.ellipsoid_gap; m, the largest half axis a; m, the least radius of curvature c^2/a;
+    # (CLOSE c/a)^2; shape (n, 6 + 3): what a pair asks of its bodies, in one place
     turned: FloatArray  # m, shape (1,): bound of how far any two surfaces have come nearer by turning, since the list of pairs was made
 
 
@@ -48,11 +48,10 @@ def shapes_of(axes: FloatArray, orientation: FloatArray, mass: FloatArray, spin:
     """Ellipsoids that turn with `spin` (1/s, in the laboratory), shape (n, 3)."""
     inertia, turns = inertia_of(mass, axes), matrices(orientation)
     momentum = np.einsum("nab,nb,ncb,nc->na", turns, inertia, turns, spin)
-    surface = np.zeros((len(axes), 6))
-    place_surfaces(axes, orientation, surface)
     long, short = axes.max(axis=1), axes.min(axis=1)
-    extent = np.stack([long, short * short / long, (CLOSE * short / long) ** 2], axis=1)
-    return Shapes(axes, orientation, momentum, 1.0 / inertia, surface, extent, np.zeros(1))
+    surface = np.column_stack([np.zeros((len(axes), 6)), long, short * short / long, (CLOSE * short / long) ** 2])
+    place_surfaces(axes, orientation, surface)
+    return Shapes(axes, orientation, momentum, 1.0 / inertia, surface, np.zeros(1))
 
 
 def matrices(orientation: FloatArray) -> FloatArray:
@@ -244,7 +243,7 @@ def turn(orientation, momentum, ease, axes, surface, spin, torque, before, fade,
 
 @kernel
 def place_surfaces(axes, orientation, surface):  # type: ignore[no-untyped-def]
-    """Write the surface tensor (m2) of every body into `surface`, shape (n, 6)."""
+    """Write the surface tensor (m2) of every body into the first columns of `surface`, shape (n, 6 or more)."""
     for i in range(len(axes)):
         s = surface_tensor(
             (axes[i, 0], axes[i, 1], axes[i, 2]), (orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3])

@@ -79,7 +79,7 @@ class Working(NamedTuple):
     @property
     def reaches(self) -> FloatArray:
         """How far in m each body goes from its centre at most."""
-        return self.radii if self.shapes is None else self.shapes.extent[:, REACH]
+        return self.radii if self.shapes is None else self.shapes.surface[:, REACH]
 
     @property
     def masses(self) -> FloatArray:
@@ -126,7 +126,7 @@ def working(scene: Scene) -> Working:
     shapes = None
     if bodies.axes is not None and bodies.orientation is not None:
         shapes = shapes_of(bodies.axes[order], bodies.orientation[order], masses, spin)
-    threads, skin, widest = scene.threads, scene.skin, float((radii if shapes is None else shapes.extent[:, REACH]).max(initial=0.0))
+    threads, skin, widest = scene.threads, scene.skin, float((radii if shapes is None else shapes.surface[:, REACH]).max(initial=0.0))
     work = Working(
         bodies=Bodies(
             position=bodies.position[order],
@@ -359,7 +359,7 @@ def forces_between(work: Working) -> list[FloatArray]:
         else:
             physics = (roles.normal, roles.tangential, roles.damper, roles.share, roles.rates)
             b, s = work.bodies, work.shapes
-            places = (b.position, b.velocity, b.spin, b.radius, b.mass, b.one_mass, s.surface, s.extent, s.turned)
+            places = (b.position, b.velocity, b.spin, b.radius, b.mass, b.one_mass, s.surface, s.turned)
             ellipsoid_forces(*physics, *rows, past.memory, past.slip, past.damping, *places, frame, 0.0, span, *sums, network, tally)
         found.append(network)
     return found

@@ -19,6 +19,7 @@ import dem
 from contactlaws.elastic import Hertz
 from contactlaws.errors import InputError
 from contactlaws.tangential import mindlin, rolling
+from dem.ellipsoid_forces import BEFORE, FREE
 from dem.measure import energies, network, stress_tensor
 from dem.motion import Deformation
 from dem.packing import random_close_packing
@@ -243,6 +244,38 @@ def test_restart_goes_on_to_the_same_bits(tmp_path: Path) -> None:
         assert np.array_equal(one.orientation, other.orientation)
         assert np.array_equal(one.network.normal, other.network.normal)
     assert all(np.array_equal(a, b) for a, b in zip(resumed.energies, whole.energies, strict=True))
+
+
+@compiled_only
+@pytest.mark.parametrize(("speed", "rate"), [(20.0, 0.0), (0.0, 3e7), (5.0, 3e6)])
+def test_what_is_passed_over_would_have_changed_nothing(speed: float, rate: float) -> None:
+    """Bodies that fly, spin fast, or both, in a box under shear: the same bits where every pair is looked at in every step.
+
+    Speeds in m/s and 1/s; some 5 % of a half axis, or of a turn, in the time that is followed, so contacts begin and end.
+    """
+    made, steps = packed(), 600
+    found = []
+    for passes in (True, False):
+        work, rng = working(made), np.random.default_rng(3)
+        work.bodies.velocity[:] = rng.normal(scale=speed, size=(work.size, 3))
+        assert work.shapes is not None
+        work.shapes.momentum[:] = rng.normal(scale=rate, size=(work.size, 3)) / work.shapes.ease
+        sheared = work.cell.copy()
+        sheared[1, 0] += 2e-7
+        stage = Deformation(work.cell.copy(), sheared, steps, 2e-11)
+        passed, touched = 0, 0
+        for step in range(steps):
+            memory = work.groups[0].past.memory
+            assert memory is not None
+            passed, touched = passed + int(np.sum(memory[FREE] > 0.0)), touched + int(np.sum(memory[BEFORE] > 0.0))
+            if not passes:
+                memory[FREE] = 0.0
+            work, _ = follow(work, stage, step, 1)
+        assert passed > 1000  # there is something to pass over, and to miss
+        assert touched > 1000
+        found.append((work.bodies.position, work.shapes.orientation, work.force, work.torque))
+    for one, other in zip(*found, strict=True):
+        assert np.array_equal(one, other)
 
 
 @compiled_only
