@@ -7,15 +7,17 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from cases.batch import results, runner, store, tables
+from cases.batch import index, results, runner, store, tables
 from cases.batch.local import LocalProcesses
 from cases.batch.plan import plan
 from cases.batch.store import Record
 from cases.batch.task import Task
+from cases.batch.worker import Make
 from cases.casefile.reading import ask_first, read_case
 from cases.casefile.schema import Case, ToleranceOption
 from cases.casefile.validation import validated
 from cases.progress import Progress
+from contactlaws.errors import InputError, Problem
 from contactlaws.version import code_version
 
 
@@ -60,17 +62,23 @@ def run_tasks(
     jobs: int | None = None,
     scheduler: str | None = None,
     take_over: bool = False,
+    make: Make | None = None,
 ) -> Mapping[str, Record]:
-    """`run_study` for tasks that are planned already; `source` is the file that they are from."""
+    """`run_study` for tasks that are planned already; `source` is the file that they are from.
+
+    make: what does the work, if not the module of a task's kind in `cases.batch.work`.
+    """
     folder = out.resolve()
     if not take_over:
         results.require_own(folder, source, tasks)
     store.prepare(folder, Counter(task.kind for task in tasks if not store.record_path(folder, task.id, task.key).exists()))
     with _workers(tasks, folder, jobs or cores(), scheduler) as workers, Progress(tasks, workers.jobs, folder) as progress:
         results.declare(folder, title, source, code_version(), tasks)
-        records = runner.run(tasks, folder, workers, progress)
+        records = runner.run(tasks, folder, workers, progress, make)
     progress.summarise(records.values())
     written = tables.write(folder, tasks, records)
+    if len(tasks) >= index.WORTH:
+        index.all_records(folder)  # so that `fe2dem status` needs not read them one by one
     if written:
         print(f"tables: {', '.join(path.name for path in written)} in {folder}")
     return records
@@ -82,6 +90,13 @@ def _workers(tasks: Sequence[Task], folder: Path, jobs: int, scheduler: str | No
     from cases.batch.cluster import DaskCluster
 
     return DaskCluster(scheduler, folder)
+
+
+def one_of(jobs: int | None, scheduler: str | None) -> None:
+    """Raise `InputError` if processes of this machine are asked for and a cluster too."""
+    if jobs is not None and scheduler is not None:
+        bound = "is for processes of this machine"
+        raise InputError(Problem("--jobs", jobs, bound, "leave out one of --jobs and --scheduler"))
 
 
 def cores() -> int:

@@ -27,12 +27,12 @@ Stamp = tuple[int, int]  # time in ns, bytes
 
 def all_records(folder: Path) -> dict[str, Record]:
     """The readable records in `folder`, by the names of their files; whether their results are whole is not looked at."""
-    with _no_garbage():
+    with no_garbage():
         return _read(folder)
 
 
 @contextlib.contextmanager
-def _no_garbage() -> Iterator[None]:
+def no_garbage() -> Iterator[None]:
     """Millions of small objects that all stay: looking for those that don't would take half of the time."""
     before = gc.isenabled()
     gc.disable()

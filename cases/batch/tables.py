@@ -8,9 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cases.batch.index import no_garbage
+from cases.batch.results import load_case
 from cases.batch.store import Record
 from cases.batch.task import Task
-from contactlaws.curve import QUANTITIES, Curve
+from cases.batch.unloading_rows import rows_of
+from contactlaws.curve import QUANTITIES
 from contactlaws.files import write_text
 
 CURVES, UNLOADINGS = "curves.csv", "unloadings"
@@ -41,17 +44,28 @@ COLUMNS = (
 
 
 def write(folder: Path, tasks: Sequence[Task], records: Mapping[str, Record]) -> list[Path]:
-    """Write curves.csv, unloadings.csv and unloadings.parquet from the results of this run's curves; without any, older ones go."""
-    curves = [(task, records[task.id]) for task in tasks if task.kind == "curves"]
+    """Write curves.csv, unloadings.csv and unloadings.parquet from those of a run's curves that are there; without any, older ones go."""
+    curves = [(task, records[task.id]) for task in tasks if task.kind == "curves" and task.id in records]
     if not curves:
         for name in (CURVES, f"{UNLOADINGS}.csv", f"{UNLOADINGS}.parquet"):
             (folder / name).unlink(missing_ok=True)
         return []
     text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(_row(task, record) for task, record in curves)
-    return [write_text(folder / CURVES, text.getvalue()), *_write_unloadings(folder, [record for _, record in curves if record.usable])]
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    with no_garbage():
+        writer.writerows(list(_row(task, record).values()) for task, record in curves)
+        unloadings = list(_write_unloadings(folder, [record for _, record in curves if record.usable]))
+    return [write_text(folder / CURVES, text.getvalue()), *unloadings]
+
+
+def write_again(folder: Path) -> list[Path]:
+    """`write` for what is there of the last run; raises `InputError` if nothing was run there."""
+    with no_garbage():
+        case, found = load_case(folder)
+    names = [item["task"].split(".", 1) for item in case["tasks"]]
+    tasks = [Task(kind, name, item["values"], key=item["key"]) for (kind, name), item in zip(names, case["tasks"], strict=True)]
+    return write(folder, tasks, {record.task: record for record in found if record is not None})
 
 
 def _row(task: Task, record: Record) -> dict[str, Any]:
@@ -83,15 +97,8 @@ def _row(task: Task, record: Record) -> dict[str, Any]:
 
 
 def _write_unloadings(folder: Path, records: Sequence[Record]) -> Iterator[Path]:
-    from calibration.unloadings import table_rows, write_table
+    from calibration.unloadings import write_table
 
-    rows = list(table_rows(_read(folder, records)))
+    rows = rows_of(folder, records)
     for ending in ("csv", "parquet"):
         yield write_table(rows, folder / f"{UNLOADINGS}.{ending}")
-
-
-def _read(folder: Path, records: Sequence[Record]) -> Iterator[Curve]:
-    from contactlaws.curve_files import read_curve
-
-    for record in records:
-        yield read_curve(folder / record.files["curve"])

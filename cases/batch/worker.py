@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import functools
 import importlib
 import os
 import signal
@@ -106,18 +107,24 @@ def killed(task: Task) -> Record:
 
 
 def _made(job: Job, report: Report) -> Record:
-    from threadpoolctl import threadpool_limits
-
     task, cpu, wall = job.task, time.process_time(), time.perf_counter()
-    with threadpool_limits(1):
+    make = job.make or importlib.import_module(f"cases.batch.work.{task.kind}").make
+    with _libraries(make).limit(limits=1):
         try:
-            make = job.make or importlib.import_module(f"cases.batch.work.{task.kind}").make
             files, summary, stopped = make(task, Path(job.folder), job.made, report)
             outcome: dict[str, Any] = {"state": "stopped" if stopped else "done", "reason": stopped, "files": files, "summary": summary}
         except Exception as error:  # a failure is a result: recorded with its reason, and the other tasks go on
             outcome = _failure(error)
     outcome |= {"cpu_seconds": time.process_time() - cpu, "wall_seconds": time.perf_counter() - wall, "code": code_version()}
     return Record(task.id, task.key, **outcome, input=task.input)
+
+
+@functools.cache
+def _libraries(make: Make) -> Any:
+    """The threaded libraries that are loaded when this is first to be done: to look for them takes longer than a small task."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
 
 
 def _saved(folder: Path, record: Record) -> Record:
