@@ -17,6 +17,7 @@ from cases.command_atlas import ellipsoid, identify, predict
 from cases.command_export import export
 from cases.command_prony import prony
 from cases.command_tradeoff import tournament, tradeoff
+from cases.command_uncertainty import uncertainty
 
 BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
 SEVERAL_VALUES = {"--unload-from", "--axes", "--other-axes", "--speed", "--laws"}
@@ -82,11 +83,10 @@ def run(
     take_over: TakeOver = False,
 ) -> None:
     """Compute everything that a case file or a study declares; results that are there already are reused."""
-    from cases.study import run_study
+    from cases.study import one_of, run_study
 
     folder = out or Path("results") / case.stem
-    if jobs is not None and scheduler is not None:
-        _refuse("--jobs", jobs, "is for processes of this machine", "leave out one of --jobs and --scheduler")
+    one_of(jobs, scheduler)
     accept = _yes if yes else _ask
     records = run_study(case, folder, jobs=jobs, scheduler=scheduler, accept=accept, take_over=take_over, tolerance=tolerance)
     raise typer.Exit(_reported(folder, records))
@@ -284,6 +284,7 @@ for _command in (
     impact,
     export,
     simulate,
+    uncertainty,
     tournament,
     status,
     report,

@@ -34,6 +34,26 @@ def scene_plan(name: str, scene: Scene, law: Path) -> list[Task]:
     return list(_with_keys([_packing(table), _scene(name, table, Path())]))
 
 
+def uncertainty_plan(case: Case, name: str, draws: int, packings: int, folder: Path) -> list[Task]:
+    """All tasks of a scene of a case on laws drawn from its fit's errors, each on packings of seeds from the scene's own on.
+
+    Scenes are called LAW-PACKING, draws and packings by their numbers. More draws or packings leave those that are there as they are.
+    """
+    table = case.scenes[name]
+    fit = _cheapest(name, table, folder) if table.fit is None else _fit(table.fit, case.fits[table.fit], case, folder)
+    curves = [_curve(need, case.curves[need], case) for need in (need.removeprefix("curves.") for need in fit.needs)]
+    laws = [Task("draws", str(number), {"seed": number}, (fit.id,)) for number in range(1, draws + 1)]
+    seeds = [table.seed + number for number in range(packings)]
+    packed = [_packing(table.model_copy(update={"seed": seed})) for seed in seeds]
+    values = {**_scene(name, table, folder).values, "history_only": True}
+    runs = [
+        Task("scenes", f"{law.name}-{number}", values, (law.id, packing.id))
+        for law in laws
+        for number, packing in enumerate(packed, start=1)
+    ]
+    return list(_with_keys([*curves, fit, *packed, *laws, *runs]))
+
+
 def _with_keys(tasks: list[Task]) -> Iterator[Task]:
     """A key is the hash of the kind, the checked input, the sources, and of what the result is made from; the name is not in it."""
     made: dict[str, Task] = {}

@@ -47,7 +47,7 @@ class Record:
 
     @property
     def kind(self) -> str:
-        """curves, fits, packings, impacts or scenes."""
+        """One of `cases.batch.task.KINDS`."""
         return self.task.split(".", 1)[0]
 
     @property

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-KINDS = ("curves", "packings", "fits", "impacts", "scenes")  # each stands behind what it needs
+KINDS = ("curves", "packings", "fits", "draws", "impacts", "scenes")  # each stands behind what it needs
 
 
 @dataclass(frozen=True)

@@ -34,5 +34,5 @@ def relative(path: Path, folder: Path) -> str:
 
 def law_file(folder: Path, task: Task, made: Made) -> Path:
     """The file of the law that a task uses: made by another task, or given."""
-    made_by = [need for need in task.needs if need.startswith("fits.")]
+    made_by = [need for need in task.needs if need.startswith(("fits.", "draws."))]
     return folder / made[made_by[0]].files["law"] if made_by else Path(task.given[0])

@@ -25,7 +25,7 @@ from dem.packing import Packing
 
 
 def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
-    """A packing compressed and released on a law: history table, LAMMPS dump, contacts, .vtu frames."""
+    """A packing compressed and released on a law: history table, LAMMPS dump, contacts, .vtu frames; with `history_only` just the first."""
 
     fit, values = fitted.load(law_file(folder, task, made)), task.values
     contact = contact_of(fit, values)
@@ -42,17 +42,21 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     # a run can only be continued by the code that began it, so the code is in the checkpoint's name
     checkpoint = place(folder, task, f"-{hash_of(code_version())}.checkpoint.npz")
     trajectory = dem.run(scene, progress=report, checkpoint=checkpoint)
-    table, dump = place(folder, task, ".parquet"), place(folder, task, ".dump")
-    frames = empty_folder(folder / "frames" / f"{task.name}-{task.key}")
-    history.write(history.columns(trajectory), table)
-    output.write_dump(trajectory, dump)
-    contacts = output.write_network(trajectory, place(folder, task, "-contacts.csv"))
-    output.write_vtu(trajectory, frames)
+    places = {"history": history.write(history.columns(trajectory), place(folder, task, ".parquet"))}
+    if not values.get("history_only"):
+        places |= _states(trajectory, task, folder)
     checkpoint.unlink(missing_ok=True)
-    places = {"history": table, "dump": dump, "contacts": contacts, "frames": frames}
     files = {name: relative(path, folder) for name, path in places.items()}
     summary = {"notes": list(trajectory.notes), "warnings": list(trajectory.warnings), "statistics": dict(trajectory.statistics)}
     return files, summary, trajectory.stopped
+
+
+def _states(trajectory: dem.Trajectory, task: Task, folder: Path) -> dict[str, Path]:
+    """Where the spheres are in every frame, and their contacts."""
+    frames = empty_folder(folder / "frames" / f"{task.name}-{task.key}")
+    output.write_vtu(trajectory, frames)
+    contacts = output.write_network(trajectory, place(folder, task, "-contacts.csv"))
+    return {"dump": output.write_dump(trajectory, place(folder, task, ".dump")), "contacts": contacts, "frames": frames}
 
 
 def contact_of(fit: FittedLaw, values: Mapping[str, Any]) -> dem.Contact:
