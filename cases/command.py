@@ -16,6 +16,7 @@ from cases.arguments import option, spread
 from cases.command_atlas import ellipsoid, identify, predict
 from cases.command_export import export
 from cases.command_prony import prony
+from cases.command_slurm import slurm
 from cases.command_tradeoff import tournament, tradeoff
 from cases.command_uncertainty import uncertainty
 
@@ -285,6 +286,7 @@ for _command in (
     export,
     simulate,
     uncertainty,
+    slurm,
     tournament,
     status,
     report,

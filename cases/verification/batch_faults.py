@@ -22,6 +22,7 @@ import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from cases.slurm import Request, write_scripts
 from cases.verification import solver_runs
 from cases.verification.batch_fault_judge import Expected, Verdict, judged
 from cases.verification.dask_processes import DaskProcesses, alive, until
@@ -179,6 +180,35 @@ def dask_lethal(place: Place) -> int:
         return place.run("--scheduler", cluster.address).wait()
 
 
+def slurm(place: Place) -> int:
+    """The scripts for Slurm, with stand-ins for sbatch and scancel that start and end the workers here."""
+    folder = place.folder / "slurm"
+    write_scripts(place.study, Request(WORKERS, "1 GB", "01:00:00"), place.results, folder)
+    for name, text in (("sbatch", SBATCH), ("scancel", SCANCEL)):
+        (place.folder / name).write_text(text)
+        (place.folder / name).chmod(0o755)
+    path = f"{place.folder}:{Path(sys.executable).parent}:{os.environ['PATH']}"
+    preload = {"DASK_DISTRIBUTED__WORKER__PRELOAD": "cases.verification.solver_runs"}
+    with (place.folder / "run.log").open("ab") as log:
+        environment = {**os.environ, **place.settings, **preload, "PATH": path, "STANDS_IN": str(place.folder)}
+        done = subprocess.run(["bash", folder / "run.sh"], stdout=log, stderr=log, env=environment, check=False)
+    left = [process for process in map(int, (place.folder / "jobs").read_text().split()) if alive(process)]
+    return done.returncode or len(left)
+
+
+SBATCH = r"""#!/usr/bin/env bash
+for option; do case $option in --export=ALL,*) export "${option#--export=ALL,}";; *) script=$option;; esac; done
+for number in $(seq "$(sed -n 's/^#SBATCH --array=1-//p' "$script")"); do
+    SLURM_ARRAY_JOB_ID=7 SLURM_ARRAY_TASK_ID=$number setsid bash "$script" >>"$STANDS_IN/workers.log" 2>&1 &
+    echo $! >>"$STANDS_IN/jobs"
+done
+echo 7
+"""
+SCANCEL = r"""#!/usr/bin/env bash
+while read -r job; do kill -KILL -- -"$job"; done <"$STANDS_IN/jobs"
+sleep 1
+"""
+
 #: what is done, and what its end is to be like
 ROWS: Mapping[str, tuple[Callable[[Place], int], Expected]] = {
     "local": (undisturbed, Expected()),
@@ -192,6 +222,7 @@ ROWS: Mapping[str, tuple[Callable[[Place], int], Expected]] = {
     "dask-client": (dask_client, Expected()),
     "dask-two-clients": (dask_two, Expected()),
     "dask-lethal": (dask_lethal, Expected(lethal=LETHAL)),
+    "slurm": (slurm, Expected()),
 }
 FIRST = "local"  # the others are held against it
 
