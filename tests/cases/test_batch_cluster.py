@@ -34,9 +34,11 @@ def cluster() -> Iterator[Any]:
     distributed = pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
     import dask
 
-    # the harshest setting: a scheduler gives up whatever a worker that was lost held, though it was not begun
+    # the harshest setting: a scheduler gives up whatever a worker that was lost held, though it was not begun; and this kind of cluster
+    # closes for ever what is not back in time, which on a busy machine may be long
+    settings = {"distributed.scheduler.allowed-failures": 0, "distributed.deploy.lost-worker-timeout": "10 minutes"}
     with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        dask.config.set(settings),
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as found,
     ):
         yield found
