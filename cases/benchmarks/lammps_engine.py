@@ -107,7 +107,10 @@ def on_a_rank(file: Path, steps: int, repeats: int, rough: bool) -> None:
     before = resident()
     engine = Engine.of_scene(scene)
     seconds = [engine_run(engine, cell, dt, steps) for _ in range(repeats)]
-    measured = engine.extent() | {"resident": resident() - before, "seconds": seconds}
+    measured: dict[str, Any] = engine.extent() | {"resident": resident() - before, "seconds": seconds}
+    began, snapshot = time.perf_counter(), engine.snapshot()
+    measured["gathering"] = time.perf_counter() - began
+    measured["gathered"] = 0 if snapshot is None else sum(array.nbytes for array in snapshot)
     file.with_name(f"rank{engine.rank}.json").write_text(json.dumps(measured))
     engine.close()
     finish()
@@ -149,7 +152,10 @@ def told_of_ranks(ranks: int, found: list[dict[str, Any]], steps: int, rough: bo
     line += f"{own:.0f} spheres and {ghosts:.0f} ghosts each, "
     line += f"{ghosts * numbers * WORD / 1e3:.0f} kB received in a step; bytes per sphere {arrays:.0f} in the engine's arrays, "
     line += f"{process:.0f} in the process; {1e3 * wall / steps:.2f} ms of wall time a step"
-    return line + ("" if alone is None else f", {alone / wall:.2f} times as fast as on the first number"), wall
+    line += "" if alone is None else f", {alone / wall:.2f} times as fast as on the first number"
+    whole = sum(rank["own"] for rank in found)
+    gathered, gathering = (max(rank[name] for rank in found) for name in ("gathered", "gathering"))
+    return f"{line}; an output: {gathered / whole:.0f} bytes per sphere on the first rank, gathered in {1e3 * gathering:.0f} ms", wall
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -171,6 +177,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         scene, dt = pressed(count)
         size, steps = scene.particles.size, max(2, min(asked.steps, 200 * asked.steps * 50 // count))
         print(told(size, in_turns(scene, dt, steps, asked.repeats, programs), steps), flush=True)
+        began = time.process_time()
+        work = working(scene)
+        print(f"    read off by our own code: {work.bytes_used / size:.0f} bytes per sphere, {time.process_time() - began:.2f} CPU s")
         for rough in (False, True):
             alone = None
             for ranks in map(int, asked.ranks.split(",")):
