@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cases import lammps_table
 from cases.benchmarks.lammps_input import Programs, installed
-from cases.lammps_native import PEAKS, Branch, Misfit, Native, branches_of, branches_of_curve, misfit, nearest
+from cases.lammps_native import PEAKS, Branch, Misfit, Native, branches_of, branches_of_curve, is_plastic, misfit, nearest
 from cases.lammps_replay import PAIR, ROW, replay, steps_for
 from contactlaws.curve import Curve
 from contactlaws.dispatch import law_of
@@ -22,6 +23,8 @@ from contactlaws.version import code_version
 
 #: rows of the loading in a table
 ROWS = 101
+#: r.m.s. over the largest force, from which an elastic law is not Hertz's: far above round-off
+NOT_HERTZ = 1e-6
 
 
 class Exported(NamedTuple):
@@ -31,6 +34,7 @@ class Exported(NamedTuple):
     theirs: Misfit  # of LAMMPS's law, computed by ours
     ours: Misfit | None  # of the fitted law itself, from the same curves; None: there were none, and the law itself is what is matched
     replayed: tuple[Misfit, Misfit] | None  # in LAMMPS, from the fitted law: in a row and alone as a pair; None: it is not installed
+    table: Path | None = None  # the file with the law itself, which takes the native law's place; None: the native law stands
 
 
 def problems_with_table(fitted: FittedLaw) -> Iterator[Problem]:
@@ -81,19 +85,26 @@ def _paths(fitted: FittedLaw) -> Iterator[np.ndarray]:
 def write_lammps(fitted: FittedLaw, curves: Sequence[Curve], path: Path, lmp: str | None = None) -> Exported:
     """Fit the nearest law of LAMMPS's own to `curves`, or to the law itself if there are none, replay it, and write it to be included.
 
-    Raises `InputError`, before anything is computed, for a law that LAMMPS has nothing like.
+    An elastic law that is not Hertz's is written as a table beside `path`, which takes the place of the nearest. Raises `InputError`,
+    before anything is computed, for a law that LAMMPS has nothing like.
     """
     mimicked = branches_of(fitted.law, fitted.max_overlap)
     branches = tuple(branch for curve in curves for branch in branches_of_curve(curve)) or mimicked
     native = nearest(fitted, branches)
     programs = installed(lmp)
+    file, styles = None, native.styles
+    if not is_plastic(fitted.law, fitted.max_overlap) and misfit(native.record, mimicked).mean > NOT_HERTZ:
+        file = write_text(path.with_suffix(".table"), lammps_table.table(fitted))
+        styles = lammps_table.styles(file.resolve())
     exported = Exported(
         native,
         misfit(native.record, branches),
         misfit(fitted.law, branches) if curves else None,
-        None if programs is None else _replayed(programs, fitted, native),
+        None if programs is None else _replayed(programs, fitted, native._replace(styles=styles)),
+        file,
     )
-    write_text(path, "\n".join([*_head(fitted, "# "), *_limits(fitted, exported), native.styles.pair]) + "\n")
+    active = native.styles if file is None else lammps_table.styles(Path(file.name))
+    write_text(path, "\n".join([*_head(fitted, "# "), *_limits(fitted, exported), active.pair]) + "\n")
     return exported
 
 
@@ -116,9 +127,17 @@ def _replayed(programs: Programs, fitted: FittedLaw, native: Native) -> tuple[Mi
 def _limits(fitted: FittedLaw, exported: Exported) -> Iterator[str]:
     """What a reader must know before including the file."""
     native = exported.native
-    yield f"# what follows is not this law but the nearest of LAMMPS's own, `{native.styles.name}`, and it does without compiling"
+    if exported.table is None:
+        yield f"# what follows is not this law but the nearest of LAMMPS's own, `{native.styles.name}`, and it does without compiling"
+    else:
+        yield f"# what follows is this law as a table, `{exported.table.name}`, which must lie in the folder that LAMMPS is run in."
+        yield f"# It is for spheres of radius {fitted.law.radius!r} m alone, and LAMMPS stops where two come closer than it goes."
+        yield f"# For other radii take the nearest of LAMMPS's own, `{native.styles.name}`, with the constants below"
     yield from (f"# {line}" for line in words(exported))
     yield "# units si, atom_style sphere; include after read_data or create_atoms, before run"
+    if exported.table is not None:
+        yield "# no friction, adhesion or damping"
+        return
     if native.material.yield_stress is not None:
         yield "# needs `newton off` before the box is made, and:\ncomm_modify mode single vel yes"
         yield "# mdr lets a sphere grow by what all its contacts displace, and stiffens where less than half of its surface is free"
@@ -132,9 +151,11 @@ def words(exported: Exported) -> Iterator[str]:
     constants = f"E = {material.youngs_modulus:.6g} Pa, nu = {material.poissons_ratio:g}"
     if material.yield_stress is not None:
         constants += f", Y = {material.yield_stress:.6g} Pa"
-    yield f"constants of the fit, not of the material: {constants}"
+    whose = "the fit" if exported.table is None else "the nearest law"
+    yield f"constants of {whose}, not of the material: {constants}"
     matched = "the law" if exported.ours is None else "the curves"
-    yield f"it differs from {matched}, loading and unloadings, by {_percent(exported.theirs)} of the largest force"
+    nearest_law = "it" if exported.table is None else f"the nearest law, `{exported.native.styles.name}`,"
+    yield f"{nearest_law} differs from {matched}, loading and unloadings, by {_percent(exported.theirs)} of the largest force"
     if exported.ours is not None:
         yield f"the fitted law itself differs from the curves by {_percent(exported.ours)}"
     if exported.replayed is None:

@@ -14,7 +14,7 @@ from cases.lammps_native import branches_of, is_plastic, misfit, nearest
 from cases.lammps_replay import PAIR, ROW, replay, steps_for
 from contactlaws import fitted
 from contactlaws.curve_files import read_curve
-from contactlaws.elastic import Hertz
+from contactlaws.elastic import Hertz, HertzFiniteSize, finite_size_factors
 from contactlaws.errors import InputError
 from contactlaws.fitted import FittedLaw
 from contactlaws.material import Material
@@ -153,3 +153,38 @@ def test_the_file_runs_as_it_is_written(tmp_path):
     head = (tmp_path / "law.lmp").read_text()
     for word in ("not this law but the nearest", "good up to an overlap", "newton off", "two spheres alone", "at worst"):
         assert word in head
+
+
+def of_finite_size() -> FittedLaw:
+    law = HertzFiniteSize(RADIUS, METAL.reduced_modulus, *finite_size_factors(METAL.poissons_ratio))
+    return FittedLaw(law, 0.2 * RADIUS, METAL.elastic)
+
+
+def test_the_table_for_lammps_is_the_force_of_the_law_and_the_slope_of_its_energy(tmp_path):
+    """Distances are good to 1e-16 of 2 R, so the smallest overlaps (5e-5 R) to 1e-11. Energies differ by the trapezium of the forces, but
+    for a curvature that is infinite at first touch: 1 % of what little there is.
+    """
+    law = of_finite_size()
+    exported = write_lammps(law, [], tmp_path / "law.lmp", lmp="no such program")
+    assert exported.table == tmp_path / "law.table"
+    assert exported.theirs.mean > 0.01  # what hertz/material would leave
+    _, distance, energy, force = np.loadtxt(exported.table, skiprows=5).T
+    assert force[::-1] == pytest.approx(trace(law.law, RADIUS - 0.5 * distance[::-1]).force, rel=1e-9, abs=1e-12 * force.max())
+    work = 0.5 * (force[1:] + force[:-1]) * np.diff(distance)
+    assert -np.diff(energy) == pytest.approx(work, rel=1e-2, abs=1e-6 * work.max())
+    head = (tmp_path / "law.lmp").read_text()
+    for word in ("law.table", "alone", "For other radii", "pair_style table linear", "no friction"):
+        assert word in head
+
+
+@needs_lammps
+def test_the_table_in_lammps_is_the_law(tmp_path):
+    """Lines between overlaps 5e-5 R apart: in the first, d^1.5 is .148 of its end away from one, and the smallest peak is at .05 R."""
+    exported = write_lammps(of_finite_size(), [], tmp_path / "law.lmp")
+    assert exported.replayed is not None
+    assert max(found.worst for found in exported.replayed) < 0.148 * (5e-5 / 0.05) ** 1.5
+    assert exported.theirs.worst > 0.01  # Hertz's law at its nearest
+
+
+def test_hertz_needs_no_table(tmp_path):
+    assert write_lammps(elastic(), [], tmp_path / "law.lmp", lmp="no such program").table is None
