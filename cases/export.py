@@ -147,6 +147,8 @@ def _limits(fitted: FittedLaw, exported: Exported) -> Iterator[str]:
 
 def words(exported: Exported) -> Iterator[str]:
     """The errors as sentences."""
+    if exported.table is not None:
+        yield f"the law itself, of equal spheres of its radius: {exported.table.name}"
     material = exported.native.material
     constants = f"E = {material.youngs_modulus:.6g} Pa, nu = {material.poissons_ratio:g}"
     if material.yield_stress is not None:
