@@ -217,20 +217,35 @@ def write_table(rows: Sequence[Mapping[str, Any]], path: str | Path) -> Path:
         return write_atomically(path, lambda file: _write_parquet(rows, file))
     if suffix != ".csv":
         raise InputError(Problem(str(path), suffix, "is no kind of table file", "end the name in .csv or .parquet"))
+    return write_text(path, csv_header() + csv_text(rows))
+
+
+def csv_header() -> str:
+    """The first line of a table as CSV."""
+    return ",".join(map(heading, UNITS)) + "\n"
+
+
+def csv_text(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The lines of `table_rows` in a table as CSV."""
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(heading(name) for name in UNITS)
-    writer.writerows(["" if row[name] is None else row[name] for name in UNITS] for row in rows)
-    return write_text(path, text.getvalue())
+    csv.writer(text, lineterminator="\n").writerows(["" if row[name] is None else row[name] for name in UNITS] for row in rows)
+    return text.getvalue()
+
+
+def schema() -> Any:
+    """The columns of a table as Parquet: types, units, format and code version."""
+    import pyarrow as pa
+
+    fields = [
+        pa.field(heading(name), getattr(pa, _TYPES.get(name, "float64"))(), metadata=unit and {"unit": unit})
+        for name, unit in UNITS.items()
+    ]
+    return pa.schema(fields, {"format": FORMAT, "code": code_version()})
 
 
 def _write_parquet(rows: Sequence[Mapping[str, Any]], file: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    fields = [
-        pa.field(heading(name), getattr(pa, _TYPES.get(name, "float64"))(), metadata=unit and {"unit": unit})
-        for name, unit in UNITS.items()
-    ]
-    columns = [pa.array([row[name] for row in rows], field.type) for name, field in zip(UNITS, fields, strict=True)]
-    pq.write_table(pa.table(columns, schema=pa.schema(fields, {"format": FORMAT, "code": code_version()})), file)
+    columns = [pa.array([row[name] for row in rows], field.type) for name, field in zip(UNITS, schema(), strict=True)]
+    pq.write_table(pa.table(columns, schema=schema()), file)

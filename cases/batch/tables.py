@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cases.batch import unloading_rows
 from cases.batch.index import no_garbage
 from cases.batch.results import load_case
 from cases.batch.store import Record
 from cases.batch.task import Task
-from cases.batch.unloading_rows import rows_of
 from contactlaws.curve import QUANTITIES
 from contactlaws.files import write_text
 
@@ -55,7 +55,7 @@ def write(folder: Path, tasks: Sequence[Task], records: Mapping[str, Record]) ->
     writer.writerow(COLUMNS)
     with no_garbage():
         writer.writerows(list(_row(task, record).values()) for task, record in curves)
-        unloadings = list(_write_unloadings(folder, [record for _, record in curves if record.usable]))
+        unloadings = unloading_rows.write(folder, [record for _, record in curves if record.usable], UNLOADINGS)
     return [write_text(folder / CURVES, text.getvalue()), *unloadings]
 
 
@@ -94,11 +94,3 @@ def _row(task: Task, record: Record) -> dict[str, Any]:
         "code": record.code,
         "file": record.files.get("curve"),
     }
-
-
-def _write_unloadings(folder: Path, records: Sequence[Record]) -> Iterator[Path]:
-    from calibration.unloadings import write_table
-
-    rows = rows_of(folder, records)
-    for ending in ("csv", "parquet"):
-        yield write_table(rows, folder / f"{UNLOADINGS}.{ending}")

@@ -1,68 +1,89 @@
-"""The rows of the table of unloadings. They are kept beside the records: to read them off 100 000 curves again would take minutes.
+"""The table of unloadings. Its rows are kept beside the records: to read them off 100 000 curves again would take minutes.
 
-The file is a convenience: a row counts only while the curve's file is the one that it was read off, and the code that reads is the same.
+The file is a convenience: rows count only while the curve's file is the one that they were read off, and the code that reads is the same.
+They are kept as the text of the CSV table, which is then no more than put together, and read back for Parquet (floats keep every bit).
 """
 
 from __future__ import annotations
 
 import contextlib
+import io
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from cases.batch.sources import meaning_hash
 from cases.batch.store import Record
 from contactlaws.errors import InputError
-from contactlaws.files import write_atomically
-
-Row = dict[str, Any]
+from contactlaws.files import write_atomically, write_text
 
 PLACE = "tasks/.unloadings"
 #: fewer new curves are not worth writing the file anew
 WORTH = 500
 
 
-def rows_of(folder: Path, records: Iterable[Record]) -> list[Row]:
-    """One row per unloading of these curves, as `calibration.unloadings.table_rows` gives them, in their order."""
-    from calibration.unloadings import table_rows
+def write(folder: Path, records: Iterable[Record], stem: str) -> list[Path]:
+    """Write one row per unloading of these curves, in their order, to `folder`/`stem`.csv and .parquet."""
+    from calibration.unloadings import csv_header
+
+    text = csv_header() + "".join(_texts(folder, records))
+    table = write_atomically(folder / f"{stem}.parquet", lambda file: _write_parquet(text, file))
+    return [write_text(folder / f"{stem}.csv", text), table]
+
+
+def _texts(folder: Path, records: Iterable[Record]) -> list[str]:
+    """The lines of each curve."""
+    from calibration.unloadings import csv_text, table_rows
     from contactlaws.curve_files import read_curve
 
-    known, found, new = _known(folder), dict[str, list[Row]](), 0
+    known, found, new = _known(folder), dict[str, str](), 0
     for record in records:
         name = f"{record.key} {record.sizes['curve'][1]}"
-        if name not in known:
-            known[name] = list(table_rows([read_curve(folder / record.files["curve"])]))
+        text = known.get(name)
+        if text is None:
+            text = csv_text(list(table_rows([read_curve(folder / record.files["curve"])])))
             new += 1
-        found[name] = known[name]
+        found[name] = text
     if new >= WORTH:
         _keep(folder, found)
-    return [row for rows in found.values() for row in rows]
+    return list(found.values())
 
 
 def _head() -> list[str]:
-    return ["fe2dem unloadings of curves 1", meaning_hash("calibration.unloadings")]
+    return ["fe2dem unloadings of curves 2", meaning_hash("calibration.unloadings")]
 
 
-def _known(folder: Path) -> dict[str, list[Row]]:
+def _known(folder: Path) -> dict[str, str]:
     """What was kept; nothing if the file is missing, torn, or made by other code."""
     try:
         with (folder / PLACE).open(encoding="utf-8") as file:
-            if json.loads(file.readline()) != _head():
-                return {}
-            names: Sequence[str] = json.loads(file.readline())
-            return {key: [dict(zip(names, row, strict=True)) for row in rows] for key, rows in map(json.loads, file)}
+            return {} if json.loads(file.readline()) != _head() else dict(map(json.loads, file))
     except (OSError, ValueError, TypeError):
         return {}
 
 
-def _keep(folder: Path, found: dict[str, list[Row]]) -> None:
-    names = next((list(rows[0]) for rows in found.values() if rows), [])
-
-    def write(file: Path) -> None:
+def _keep(folder: Path, found: dict[str, str]) -> None:
+    def write_lines(file: Path) -> None:
         with file.open("w", encoding="utf-8") as out:
-            out.write(json.dumps(_head()) + "\n" + json.dumps(names) + "\n")
-            out.writelines(json.dumps([key, [list(row.values()) for row in rows]]) + "\n" for key, rows in found.items())
+            out.write(json.dumps(_head()) + "\n")
+            out.writelines(json.dumps(item) + "\n" for item in found.items())
 
     with contextlib.suppress(InputError):  # a folder that may only be read
-        write_atomically(folder / PLACE, write)
+        write_atomically(folder / PLACE, write_lines)
+
+
+def _write_parquet(text: str, file: Path) -> None:
+    """The CSV table as Parquet: an empty cell is what the curve does not say."""
+    import pyarrow.parquet as pq
+    from pyarrow import csv
+
+    from calibration.unloadings import schema
+
+    columns: Any = schema()
+    types = {field.name: field.type for field in columns}
+    options = csv.ConvertOptions(
+        column_types=types, null_values=[""], strings_can_be_null=True, true_values=["True"], false_values=["False"]
+    )
+    table = csv.read_csv(io.BytesIO(text.encode()), convert_options=options, parse_options=csv.ParseOptions(newlines_in_values=True))
+    pq.write_table(table.cast(columns), file)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from calibration.unloadings import table_rows, write_table
 from cases.batch import results, store, tables, unloading_rows
 from cases.batch.plan import plan
 from cases.batch.worker import Job, perform
@@ -51,7 +52,7 @@ def test_a_curve_that_is_another_is_read_again(folder: Path) -> None:
     path = sorted((folder / "tasks").glob("*.json"))[7]
     record = store.record_in(path.read_bytes())
     file = folder / record.files["curve"]
-    write_curve(replace(read_curve(file), stopped="changed"), file)
+    write_curve(replace(read_curve(file), stopped='changed, "twice"'), file)
     store.save(folder, record)
     again = written(folder)
     assert again[1].count(b"changed") == 1
@@ -66,6 +67,18 @@ def test_rows_of_other_code_are_not_believed(folder: Path, monkeypatch: pytest.M
     monkeypatch.setattr(unloading_rows, "meaning_hash", lambda start: "another")
     written(folder)
     assert (folder / unloading_rows.PLACE).read_text() != kept
+
+
+def test_parquet_has_what_csv_has_to_the_bit(folder: Path) -> None:
+    """It is read back from the text; a table made from the numbers themselves is the same."""
+    import pyarrow.parquet as pq
+
+    written(folder)
+    paths = [record.files["curve"] for record in results.load_case(folder)[1] if record is not None]
+    direct = write_table(list(table_rows(read_curve(folder / path) for path in paths)), folder / "direct.parquet")
+    assert pq.read_table(folder / "unloadings.parquet").equals(pq.read_table(direct), check_metadata=True)
+    direct = write_table(list(table_rows(read_curve(folder / path) for path in paths)), folder / "direct.csv")
+    assert (folder / "unloadings.csv").read_bytes() == direct.read_bytes()
 
 
 def test_results_that_are_not_there_have_no_rows(folder: Path) -> None:
