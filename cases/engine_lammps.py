@@ -21,7 +21,7 @@ from cases.casefile.reading import read_scene
 from cases.casefile.schema import Scene
 from cases.report import history
 from contactlaws import fitted
-from contactlaws.errors import Problem, require
+from contactlaws.errors import InputError, Problem, require
 from dem import lammps_library, lammps_run, lammps_scope, output
 from dem.box import Box
 from dem.packing import Packing, random_close_packing
@@ -30,6 +30,8 @@ from dem.packing import Packing, random_close_packing
 def simulate(scene: Path, law: Path | None, folder: Path, ranks: int) -> str | None:
     """Run a scene file; returns why it stopped early, None if it did not. Raises `InputError`, before computing, for what cannot be."""
     asked, law_file = read_scene(scene, law)
+    if law_file is None:
+        raise InputError(Problem("shape", asked.shape, "ellipsoids are not for the engine lammps", "leave out --engine"))
     lammps_library.library()
     require(_problems(asked, law_file, ranks))
     (folder / "frames").mkdir(parents=True, exist_ok=True)
@@ -92,8 +94,8 @@ def _tell(fraction: float, text: str) -> None:
 def main(arguments: list[str]) -> int:
     """One rank of several."""
     scene, law, folder = (Path(argument) for argument in arguments)
-    asked, law_file = read_scene(scene, law)
-    return 0 if run(asked, law_file, folder) is None else 3
+    asked, _ = read_scene(scene, law)
+    return 0 if run(asked, law, folder) is None else 3
 
 
 if __name__ == "__main__":

@@ -22,15 +22,15 @@ def plan(case: Case, folder: Path) -> list[Task]:
     tasks = [_curve(name, table, case) for name, table in case.curves.items()]
     tasks += {task.id: task for task in map(_packing, case.scenes.values())}.values()
     tasks += [_fit(name, table, case, folder) for name, table in case.fits.items()]
-    tasks += [_cheapest(name, table, folder) for name, table in case.scenes.items() if table.fit is None]
+    tasks += [_cheapest(name, table, folder) for name, table in case.scenes.items() if table.tolerance is not None]
     tasks += [_impact(name, table, folder) for name, table in case.impacts.items()]
     tasks += [_scene(name, table, folder) for name, table in case.scenes.items()]
     return list(_with_keys(tasks))
 
 
-def scene_plan(name: str, scene: Scene, law: Path) -> list[Task]:
-    """The two tasks of one scene on a law from a file."""
-    table = SceneTable(**scene.model_dump(include=set(Scene.model_fields)), fit=str(law))
+def scene_plan(name: str, scene: Scene, law: Path | None) -> list[Task]:
+    """The two tasks of one scene on a law from a file, or of ellipsoids on that of their material."""
+    table = SceneTable(**scene.model_dump(include=set(Scene.model_fields)), fit=None if law is None else str(law))
     return list(_with_keys([_packing(table), _scene(name, table, Path())]))
 
 
@@ -105,11 +105,13 @@ def _impact(name: str, table: ImpactTable, folder: Path) -> Task:
 
 
 def _packing(table: Scene) -> Task:
-    values = table.model_dump(mode="json", include={"count", "packing_fraction", "radius", "seed"})
+    values = table.model_dump(mode="json", include={"count", "packing_fraction", "radius", "seed", "shape"}, exclude_none=True)
     return Task("packings", f"{table.count}-{table.packing_fraction:g}-{hash_of(values)[:4]}", values)
 
 
 def _scene(name: str, table: SceneTable, folder: Path) -> Task:
-    fits, files = ((f"fits.{name}-law",), ()) if table.fit is None else _made_from(table.fit, folder)
+    fits, files = ((), ()) if table.fit is None else _made_from(table.fit, folder)
+    if table.tolerance is not None:
+        fits = (f"fits.{name}-law",)
     values = table.model_dump(mode="json", exclude={"fit", "tolerance", "curves", "count", "packing_fraction", "seed"})
     return Task("scenes", name, values, (*fits, _packing(table).id), files)

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases.casefile.schema import Case, FitTable, depth_problems, is_file, missing_yield_stress, modulus_problems
+from cases.casefile.schema import Case, FitTable, Scene, depth_problems, is_file, missing_yield_stress, modulus_problems
 from cases.casefile.validation import suggestion
 from contactlaws.errors import InputError, Problem
 
@@ -40,7 +40,7 @@ def cross_problems(case: Case, declared: Mapping[str, set[str]], folder: Path) -
     for name, scene in case.scenes.items():
         for curve_name in scene.curves:
             yield from _reference(f"scenes.{name}.curves", curve_name, declared.get("curves", ()), folder)
-        yield from density_problems(f"scenes.{name}.packing_fraction", scene.packing_fraction)
+        yield from density_problems(f"scenes.{name}.packing_fraction", scene)
 
 
 def _laws() -> Collection[str]:
@@ -95,12 +95,19 @@ def _identity(curve: str, fit: FitTable, case: Case, folder: Path) -> str:
     return f"{material.record(table.elastic)._replace(density=None)} {table.radius} {table.aspect} {table.tolerance} {depths}"
 
 
-def density_problems(name: str, packing_fraction: float) -> Iterator[Problem]:
+def density_problems(name: str, scene: Scene) -> Iterator[Problem]:
+    """A packing fraction that no random packing has, and half axes that no law is for."""
+    from dem.ellipsoid_packing import DENSEST
     from dem.packing import DENSEST_RANDOM
+    from dem.particles import MOST_SLENDER
 
-    if packing_fraction > DENSEST_RANDOM:
-        remedy = "ask for 0.64 or less, and reach more by compressing it"
-        yield Problem(name, packing_fraction, f"no random packing of equal spheres is denser than {DENSEST_RANDOM}", remedy)
+    most, kind, enough = (DENSEST_RANDOM, "equal spheres", 0.64) if scene.shape is None else (DENSEST, "ellipsoids", 0.7)
+    if scene.packing_fraction > most:
+        remedy = f"ask for {enough} or less, and reach more by compressing it"
+        yield Problem(name, scene.packing_fraction, f"no random packing of {kind} is denser than {most}", remedy)
+    if scene.shape is not None and max(scene.shape) > MOST_SLENDER * min(scene.shape):
+        place = name.replace("packing_fraction", "shape")
+        yield Problem(place, max(scene.shape) / min(scene.shape), f"contacts are known up to {MOST_SLENDER:g}", "take less slender ones")
 
 
 def _reference(

@@ -10,7 +10,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import Field, ValidationError
 
@@ -92,7 +92,7 @@ def is_grid(model: type[Record], key: str, value: object) -> bool:
     if not isinstance(value, list):
         return False
     field = model.model_fields.get(key)
-    many = field is not None and get_origin(field.annotation) is tuple
+    many = field is not None and any(get_origin(kind) is tuple for kind in (field.annotation, *get_args(field.annotation)))
     return any(isinstance(item, list) for item in value) if many else field is not None
 
 

@@ -68,27 +68,34 @@ def _once_for_each_grid(problems: Iterable[Problem], families: Families) -> Iter
             yield group[0]._replace(bound=f"{group[0].bound} (and {len(group) - 1} more of this grid)")
 
 
-def read_scene(path: str | Path, law: Path | None) -> tuple[Scene, Path]:
-    """Read and check a scene file and where its law is; `law` takes the place of the one that the file names. Raises `InputError`."""
+def read_scene(path: str | Path, law: Path | None) -> tuple[Scene, Path | None]:
+    """Read and check a scene file and where its law is; `law` takes the place of the one that the file names. Raises `InputError`.
+
+    A scene of ellipsoids has no file of a law: it is made of the material in the scene file.
+    """
     values = read_toml(path)
     scene: SceneFile | None = None
     problems: list[Problem] = []
     try:
         scene = SceneFile.model_validate(values)
-        problems += density_problems("packing_fraction", scene.packing_fraction)
+        problems += density_problems("packing_fraction", scene)
     except ValidationError as error:
         problems += problems_in(error, SceneFile)
     named = values.get("law")
     file = law or (Path(path).parent / named if isinstance(named, str) else None)
-    if file is None:
+    if "shape" in values:
+        if file is not None:
+            bound = "is for spheres: the law of ellipsoids is made of their material"
+            problems.append(Problem("law", str(file), bound, "leave it out, and give youngs_modulus, poissons_ratio and yield_stress"))
+    elif file is None:
         problems.append(Problem("law", None, "is needed", "give --law LAW.json, or law = 'LAW.json' in the scene file"))
     elif not file.is_file():
         problems.append(Problem("law", str(file), "is no file", "make one with `fe2dem fit CURVE --law NAME --out LAW.json`"))
     else:
         problems += law_problems("law", file)
-    if scene is None or file is None or problems:
+    if scene is None or problems:
         raise InputError(problems)
-    return scene, file.resolve()
+    return scene, None if file is None else file.resolve()
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:

@@ -19,6 +19,7 @@ Density = Annotated[float, in_unit("kg/m^3"), _positive]
 Speed = Annotated[float, in_unit("m/s"), _positive]
 Duration = Annotated[float, in_unit("s"), Field(ge=0, allow_inf_nan=False)]
 Rate = Annotated[float, in_unit("1/s"), _positive]
+Proportion = Annotated[float, in_unit(""), _positive]
 Coefficient = Annotated[float, in_unit(""), Field(ge=0, allow_inf_nan=False)]
 #: overlap over radius; the body ends at 1, and runs to 0.5 are verified
 Depth = Annotated[float, in_unit(""), Field(gt=0, lt=1, allow_inf_nan=False)]
@@ -156,9 +157,12 @@ class Impact(Spheres):
 
 
 class Scene(Spheres):
-    """A random close packing of equal spheres in a periodic box, loaded and unloaded; what is not asked for is absent."""
+    """A random close packing of equal bodies in a periodic box, loaded and unloaded; what is not asked for is absent."""
 
-    count: int = Field(ge=8, le=1_000_000, description="the number of spheres, such as 250")
+    count: int = Field(ge=8, le=1_000_000, description="the number of bodies, such as 250")
+    shape: tuple[Proportion, Proportion, Proportion] | None = Field(
+        None, description="half axes of ellipsoids in proportion, such as [1, 0.8, 0.66]; `radius` is then that of a sphere of their volume"
+    )
     packing_fraction: Annotated[float, in_unit("")] = Field(
         gt=0,
         lt=1,
@@ -181,8 +185,9 @@ class Scene(Spheres):
     restitution: Annotated[float, in_unit("")] | None = Field(
         None, gt=0, le=1, allow_inf_nan=False, description="a damper that returns this restitution on elastic contacts, such as 0.5"
     )
-    youngs_modulus: Modulus | None = Field(None, description="the spheres' Young's modulus, for friction and restitution")
+    youngs_modulus: Modulus | None = Field(None, description="the bodies' Young's modulus, for friction, restitution and ellipsoids")
     poissons_ratio: Annotated[float, in_unit("")] | None = Field(None, ge=0, lt=0.5, allow_inf_nan=False, description="and Poisson's ratio")
+    yield_stress: Modulus | None = Field(None, description="and yield stress, for ellipsoids, which without it are elastic")
     density_scaling: Annotated[float, in_unit("")] = Field(
         1.0, gt=0, allow_inf_nan=False, description="all masses times this, such as 1000"
     )
@@ -199,13 +204,21 @@ class Scene(Spheres):
 
     @model_validator(mode="after")
     def _physics(self) -> Scene:
+        material = self.youngs_modulus is not None and self.poissons_ratio is not None
         for name, needs, what in (
             ("rolling_friction", self.friction, "needs friction"),
-            ("friction", self.youngs_modulus and self.poissons_ratio is not None, "needs youngs_modulus and poissons_ratio"),
-            ("restitution", self.youngs_modulus and self.poissons_ratio is not None, "needs youngs_modulus and poissons_ratio"),
+            ("friction", material, "needs youngs_modulus and poissons_ratio"),
+            ("restitution", material, "needs youngs_modulus and poissons_ratio"),
+            ("shape", material, "needs youngs_modulus and poissons_ratio, of which the law of ellipsoids is made"),
+            ("yield_stress", self.shape, "needs shape: the law of spheres comes from a fit"),
         ):
             if getattr(self, name) is not None and not needs:
                 raise PydanticCustomError("unit", "{bound}|{remedy}", {"name": name, "bound": what, "remedy": "give it too"})
+        if self.shape is not None:
+            for name, other in (("rolling_friction", self.rolling_friction is not None), ("routine", self.routine != "dynamic")):
+                if other:
+                    context = {"name": name, "bound": "is for spheres", "remedy": "leave it out, or leave out shape"}
+                    raise PydanticCustomError("unit", "{bound}|{remedy}", context)
         if self.loading == "shear" and not self.affine:
             context = {"name": "affine", "bound": "a box that shears carries the particles along", "remedy": "leave affine at true"}
             raise PydanticCustomError("unit", "{bound}|{remedy}", context)
@@ -227,7 +240,15 @@ class SceneTable(Scene):
 
     @model_validator(mode="after")
     def _law(self) -> SceneTable:
-        if (self.fit is None) == (self.tolerance is None) or (self.tolerance is not None) != bool(self.curves):
+        if self.shape is not None:
+            if self.fit is not None or self.tolerance is not None or self.curves:
+                context = {
+                    "name": "shape",
+                    "bound": "the law of ellipsoids is made of their material",
+                    "remedy": "leave out fit, tolerance, curves",
+                }
+                raise PydanticCustomError("unit", "{bound}|{remedy}", context)
+        elif (self.fit is None) == (self.tolerance is None) or (self.tolerance is not None) != bool(self.curves):
             context = {"name": "fit", "bound": "either a fit, or a tolerance with curves", "remedy": "give one of the two"}
             raise PydanticCustomError("unit", "{bound}|{remedy}", context)
         return self

@@ -188,7 +188,7 @@ def _scenes(folder: Path, listed: Mapping[str, Any], there: There, laws: Mapping
         return
     histories = {name: history.read(folder / record.files["history"]) for name, record in scenes.items()}
     made_with = {name: [*listed[record.task]["given"], *listed[record.task]["needs"]] for name, record in scenes.items()}
-    caption = "; ".join(f"“{name}” on {made_with[name][0].removeprefix('fits.')}" for name in scenes)
+    caption = "; ".join(f"“{name}” on {_law_among(made_with[name])}" for name in scenes)
     yield figures(
         (plots.stress_strain(histories, _colours(histories)), f"Axial stress against axial strain, compression and release: {caption}.")
     )
@@ -221,6 +221,11 @@ def _scenes(folder: Path, listed: Mapping[str, Any], there: There, laws: Mapping
     for name, record in scenes.items():
         for line in (*record.summary["warnings"], *record.summary["notes"]):
             yield text(f"{name}: {line}", note=True)
+
+
+def _law_among(sources: list[str]) -> str:
+    """The law that a scene is made with; of ellipsoids there is no source but their packing."""
+    return next((name.removeprefix("fits.") for name in sources if not name.startswith("packings.")), "the law of its ellipsoids' material")
 
 
 def _costs(case: Mapping[str, Any], there: There) -> Iterator[Block]:

@@ -84,7 +84,10 @@ def _problems(case: Case, file: Path, scene: str | None, layout: Layout) -> Iter
     elif scene is not None and scene not in case.scenes:
         yield Problem("--scene", scene, f"is no scene of {file}", suggestion(scene, case.scenes))
     else:
-        fit = case.scenes[scene or next(iter(case.scenes))].fit
+        table = case.scenes[scene or next(iter(case.scenes))]
+        fit = table.fit
+        if table.shape is not None:
+            yield Problem("shape", table.shape, "ellipsoids have no fitted law whose errors could be drawn", "name a scene of spheres")
         if fit is not None and is_file(fit):
             bound = "is a law from a file, which does not say how its errors hang together"
             yield Problem("fit", fit, bound, "name a table under [fits]: the law is fitted again, to its curves")

@@ -208,6 +208,11 @@ def test_a_scene_that_cannot_be_packed(place: Path, capsys: pytest.CaptureFixtur
     assert "no.json" in said
     (place / "scene.toml").write_text("radius = '5 um'\ndensity = 4750\ncount = 50\npacking_fraction = 0.8\nstrain = 0.03\n")
     assert "0.64" in refused(capsys, "simulate", "scene.toml", "--law", "law.json")
+    shape = "shape = [1, 0.8, 0.66]\nyoungs_modulus = '142 GPa'\npoissons_ratio = 0.25\n"
+    (place / "scene.toml").write_text(f"radius = '5 um'\ndensity = 4750\ncount = 50\npacking_fraction = 0.8\nstrain = 0.03\n{shape}")
+    said = refused(capsys, "simulate", "scene.toml", "--law", "law.json")
+    assert "is for spheres" in said
+    assert "0.76" in said
 
 
 def test_no_place_to_write(place: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,24 +16,24 @@ from cases.batch.work.place import Made, Outcome, Report, empty_folder, law_file
 from cases.report import history
 from contactlaws import fitted
 from contactlaws.fitted import FittedLaw
+from contactlaws.hertz_ellipse import HertzEllipse
 from contactlaws.material import Material
 from contactlaws.tangential import damper, mindlin, rolling
 from contactlaws.version import code_version
+from contactlaws.whole_range_ellipsoid import FARTHEST, whole_range_ellipsoid
 from dem import output
 from dem.box import Box
-from dem.packing import Packing
 
 
 def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
     """A packing compressed and released on a law: history table, LAMMPS dump, contacts, .vtu frames; with `history_only` just the first."""
 
-    fit, values = fitted.load(law_file(folder, task, made)), task.values
-    contact = contact_of(fit, values)
-    packing = next(_packing(folder / made[need].files["packing"]) for need in task.needs if need.startswith("packings."))
-    scene = dem.packed_scene(
-        packing,
-        values["density"],
-        contact,
+    values = task.values
+    bodies, box = next(_packed(folder / made[need].files["packing"], values) for need in task.needs if need.startswith("packings."))
+    scene = dem.Scene(
+        bodies,
+        box,
+        contact_of(None if values["shape"] else fitted.load(law_file(folder, task, made)), values),
         programme_of(values),
         quasi_static=dem.QuasiStatic() if values["routine"] == "quasi-static" else None,
         **{name: values[name] for name in ("affine", "density_scaling", "inertial_number", "time_step_fraction", "threads")},
@@ -59,9 +59,9 @@ def _states(trajectory: dem.Trajectory, task: Task, folder: Path) -> dict[str, P
     return {"dump": output.write_dump(trajectory, place(folder, task, ".dump")), "contacts": contacts, "frames": frames}
 
 
-def contact_of(fit: FittedLaw, values: Mapping[str, Any]) -> dem.Contact:
-    """The physics that the scene asks for."""
-    contact = dem.Contact(normal=fit.law, fitted_overlap=fit.max_overlap / fit.law.radius)
+def contact_of(fit: FittedLaw | None, values: Mapping[str, Any]) -> dem.Contact:
+    """The physics that the scene asks for; without a fit, of ellipsoids."""
+    contact = _of_ellipsoids(values) if fit is None else dem.Contact(fit.law, fitted_overlap=fit.max_overlap / fit.law.radius)
     if values["youngs_modulus"] is None:
         return contact
     material = Material(values["youngs_modulus"], values["poissons_ratio"])
@@ -73,6 +73,14 @@ def contact_of(fit: FittedLaw, values: Mapping[str, Any]) -> dem.Contact:
     )
 
 
+def _of_ellipsoids(values: Mapping[str, Any]) -> dem.Contact:
+    """The whole-range law of their material, as far as its curves went; Hertz's if they don't yield."""
+    material = Material(values["youngs_modulus"], values["poissons_ratio"], values["yield_stress"])
+    if material.yield_stress is None:
+        return dem.Contact(HertzEllipse(material.reduced_modulus))
+    return dem.Contact(whole_range_ellipsoid(material), fitted_overlap=FARTHEST)
+
+
 def programme_of(values: Mapping[str, Any]) -> tuple[dem.Stage, ...]:
     """There, and back if it is released."""
     duration = None if values["strain_rate"] is None else values["strain"] / values["strain_rate"]
@@ -82,8 +90,10 @@ def programme_of(values: Mapping[str, Any]) -> tuple[dem.Stage, ...]:
     return (there, dem.Stage((1.0, 1.0, 1.0), duration)) if values["release"] else (there,)
 
 
-def _packing(path: Path) -> Any:
-
+def _packed(path: Path, values: Mapping[str, Any]) -> tuple[dem.Particles, Box]:
+    """The bodies of a packing, at rest, and their box."""
     with np.load(path, allow_pickle=False) as file:
-        lengths = tuple(float(value) for value in file["lengths"])
-        return Packing(file["position"], float(file["radius"]), Box(lengths), float(file["packing_fraction"]), 0.0, 0, 0.0)  # type: ignore[arg-type]
+        box = Box(tuple(float(value) for value in file["lengths"]))  # type: ignore[arg-type]
+        if values["shape"]:
+            return dem.ellipsoids(file["position"], file["axes"], values["density"], file["orientation"]), box
+        return dem.spheres(file["position"], float(file["radius"]), values["density"]), box
