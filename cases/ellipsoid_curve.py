@@ -46,7 +46,10 @@ def ellipsoid(options: Mapping[str, Any], elastic: bool, out: Path | None) -> No
     from contactlaws.ellipsoid_contact import of_pair, on_flat  # not above: kernels take seconds to load
 
     material = body.record(elastic)
-    contact = on_flat(material, body.axes) if body.other_axes is None else of_pair(material, body.axes, material, body.other_axes)
+    try:
+        contact = on_flat(material, body.axes) if body.other_axes is None else of_pair(material, body.axes, material, body.other_axes)
+    except InputError as error:
+        raise InputError(_in_words(list(error.problems))) from None
     tops = sorted(depth * contact.mean_radius for depth in body.unload_from)
     rows = [np.column_stack([np.zeros(ROWS), *_columns(contact.along(tops[-1] * np.linspace(0.0, 1.0, ROWS) ** 2))])]
     table = console.sheet("unloaded from (m)", "force (N)", "semi-axes of the contact (m)", "residual overlap (m)")

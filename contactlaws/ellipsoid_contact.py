@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws import shaped
-from contactlaws.contact_ellipse import exact_factors
+from contactlaws.contact_ellipse import FAST_UP_TO, exact_factors
 from contactlaws.ellipsoid import FloatArray, curvature, gap
 from contactlaws.errors import Problem, require
 from contactlaws.hertz_ellipse import HertzEllipse
@@ -74,7 +74,7 @@ def of_pair(material_1: Material, axes_1: Axes, material_2: Material, axes_2: Ax
 
     Two unlike materials count as one, `contactlaws.pair.effective`; radii of curvature and mean radii as in `contactlaws.shaped`.
     """
-    require([*_problems(axes_1), *_problems(axes_2)])
+    require([*_problems(axes_1), *_problems(axes_2, "other_axes")])
     mean_1, mean_2, share = _mean(axes_1), _mean(axes_2), 0.5
     turn = np.array([[1.0, 0.0, 0.0], [0.0, math.cos(angle), -math.sin(angle)], [0.0, math.sin(angle), math.cos(angle)]])
     body = effective(material_1, mean_1, material_2, mean_2, share)
@@ -101,6 +101,12 @@ def _mean(axes: Axes) -> float:
     return math.cbrt(math.prod(axes))
 
 
-def _problems(axes: Axes) -> list[Problem]:
-    good = len(axes) == 3 and all(math.isfinite(axis) and axis > 0.0 for axis in axes)
-    return [] if good else [Problem("axes", axes, "must be three positive lengths", "give the semi-axes in m, that of the load first")]
+def _problems(axes: Axes, name: str = "axes") -> list[Problem]:
+    """No ratio of curvatures is larger than the square of that of the semi-axes."""
+    if len(axes) != 3 or not all(math.isfinite(axis) and axis > 0.0 for axis in axes):
+        return [Problem(name, axes, "must be three positive lengths", "give the semi-axes in m, that of the load first")]
+    slender, most = max(axes) / min(axes), math.sqrt(FAST_UP_TO)
+    if slender > most * (1.0 + 1e-12):
+        bound = f"{slender:.4g} is the largest ratio of semi-axes; contacts are known up to {most:g}"
+        return [Problem(name, axes, bound, "take a less slender body")]
+    return []

@@ -4,8 +4,9 @@ A shaped law is a frozen record of parameters and four scalar compiled functions
 describe ONE body pressed on a rigid frictionless flat, but the geometry comes with every call, and stays the same as long as the contact
 lasts:
 
-    force(law, shape, overlap, memory) -> (force, memory)       N; memory is a tuple of floats, as many as `ShapedLaw.memory` has names;
-                                                                 all but the first follow from it and the shape: zeros bring them anew
+    force(law, shape, overlap, memory) -> (force, memory)       N; memory is a tuple of floats, as many as `ShapedLaw.memory` has names:
+                                                                 the first is the largest overlap (m), and all others follow from it
+                                                                 and the shape: zeros bring them anew
     contact_radius(law, shape, overlap, memory) -> float         m; sqrt(a b) of the contact ellipse
     stored(law, shape, overlap, memory) -> float                 J; what can be got back
     stiffness_bound(law, shape, overlap) -> float                N/m; the largest tangent over all histories up to `overlap`
@@ -27,7 +28,7 @@ from numba import types
 from numba.extending import overload
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from contactlaws.compiled import inlined, kernel
+from contactlaws.compiled import inlined, inner, kernel
 from contactlaws.errors import InputError, Problem
 
 #: change of radius or ratio, over what they were, from which on a contact is counted as of another shape. Forces go with the root of the
@@ -37,6 +38,8 @@ TOLERANCE = 0.01
 ROLLED = ("reference radius", "reference ratio", "factor", "largest overlap")
 #: a contact never touched
 UNTOUCHED = (0.0, 0.0, 0.0, 0.0)
+#: how often a largest overlap is doubled, and then halved to round-off, until a dent is as deep as it has to be
+DOUBLINGS, HALVINGS = 30, 52
 
 
 class ShapedLaw(NamedTuple):
@@ -127,6 +130,11 @@ def kept(law, memory):  # type: ignore[no-untyped-def]
     return memory[:1] + (0.0,) * (len(memory) - 1)
 
 
+def pressed_to(law, memory, largest):  # type: ignore[no-untyped-def]
+    """What lasts of a memory if its largest overlap (m) were this one; a law without memory has none to change."""
+    return (largest,)[: len(memory)] + (0.0,) * (len(memory) - 1)
+
+
 def _numba_law(law: Any) -> ShapedLaw:
     if not isinstance(law, types.BaseNamedTuple):
         raise InputError(Problem("law", str(law), "must be a registered NamedTuple", "pass the record, not a plain tuple"))
@@ -192,6 +200,15 @@ def _(law, memory):  # type: ignore[no-untyped-def]
     return lambda law, memory: (memory[0], *zeros)
 
 
+@overload(pressed_to)
+def _(law, memory, largest):  # type: ignore[no-untyped-def]
+    size = len(_numba_law(law).memory)
+    if size == 0:
+        return lambda law, memory, largest: memory
+    zeros = (0.0,) * (size - 1)
+    return lambda law, memory, largest: (largest, *zeros)
+
+
 @inlined
 def same_shape(shape, rolled):  # type: ignore[no-untyped-def]
     """Whether a contact still has, within the tolerance, the shape that it is counted with."""
@@ -218,13 +235,36 @@ def recovered(law, reference, overlap, memory, factor, largest):  # type: ignore
     return max(factor, min(1.0, factor * (held + push * (overlap - largest)) / now))
 
 
+@inner
+def sunk(law, shape, overlap, memory):  # type: ignore[no-untyped-def]
+    """The memory with the least largest overlap (m) from which unloading ends at `overlap`, so that nothing is stored there."""
+    low = high = overlap
+    for _ in range(DOUBLINGS):
+        low, high = high, 2.0 * high
+        if not stored(law, shape, overlap, pressed_to(law, memory, high)) > 0.0:
+            break
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if stored(law, shape, overlap, pressed_to(law, memory, middle)) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return pressed_to(law, memory, high)
+
+
 @kernel
 def reshaped(law, shape, overlap, memory, rolled):  # type: ignore[no-untyped-def]
-    """Force, memory and `rolled` of a contact that has become one of another shape, no energy put in: less force if it would store more."""
+    """Force, memory and `rolled` of a contact that has become one of another shape, no energy put in: less force if it would store more.
+
+    One that lies in its dent and stores nothing is not scaled, or it would bear nothing ever again: its dent is as deep in the new shape.
+    """
     _, memory = force(law, counted(shape, rolled), overlap, memory)
     held = rolled[2] * stored(law, counted(shape, rolled), overlap, memory)
     push, memory = force(law, shape, overlap, kept(law, memory))
     now = stored(law, shape, overlap, memory)
+    if now > 0.0 and not held > 0.0:
+        push, memory = force(law, shape, overlap, sunk(law, shape, overlap, memory))
+        now = stored(law, shape, overlap, memory)
     factor = min(1.0, held / now) if now > 0.0 else 1.0
     return factor * push, memory, (shape[0], shape[1], factor, max(rolled[3], overlap))
 
@@ -232,7 +272,7 @@ def reshaped(law, shape, overlap, memory, rolled):  # type: ignore[no-untyped-de
 @inlined
 def begun(shape, rolled):  # type: ignore[no-untyped-def]
     """`rolled` of a contact, of a new one from the shape it has."""
-    new = rolled[2] == 0.0
+    new = rolled[0] == 0.0
     return shape[0] if new else rolled[0], shape[1] if new else rolled[1], 1.0 if new else rolled[2], rolled[3]
 
 

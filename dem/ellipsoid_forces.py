@@ -36,9 +36,9 @@ OF_PAIR = 16
 #: of the search: what has been found; the largest turn, squared, for which one step of Newton's method is enough; tensors
 STATE, LIMIT, S_1, S_2, INVERSE_1, INVERSE_2, TRACE_1, TRACE_2, DETERMINANT = 16, 17, 18, 24, 30, 31, 32, 33, 34
 #: of those that touch: see shaped.ROLLED; force of the law before and now; contact radius; whether one has to ask alone; velocity of the
-#: second centre against the first; spins; reduced mass; friction; force on the second body; torques; the law's own memory
-WAS, PUSHED, FORCE, WIDTH, ALONE, V, SPIN_1, SPIN_2, MASS = 16, 20, 21, 22, 23, 24, 27, 30, 33
-SLIP, G, T_1, T_2, WORK, OWN = 34, 38, 41, 44, 47, 48
+#: second centre against the first; spins; friction; force on the second body; torques; the law's own memory
+WAS, PUSHED, FORCE, WIDTH, ALONE, V, SPIN_1, SPIN_2 = 16, 20, 21, 22, 23, 24, 27, 30
+SLIP, G, T_1, T_2, WORK, OWN = 33, 37, 40, 43, 46, 47
 #: of a pair: its bodies are apart; they touch; one has to look
 APART, TOUCHING, OPEN = 0.0, 1.0, 2.0
 
@@ -66,7 +66,8 @@ def three(array, row, column):  # type: ignore[no-untyped-def]
 def improve(buf, size):  # type: ignore[no-untyped-def]
     """One step of Newton's method for every pair of a block, and what follows from it.
 
-    Overlap, normal, contact point and curvatures are right to the second order of the turn, so nothing is evaluated twice.
+    Overlap, normal and contact point are right to the second order of the turn, so nothing is evaluated twice; the curvatures are those at
+    the normal of the step before, right to the first.
     """
     for q in range(size):
         s_1, s_2, d, n = six(buf, S_1, q), six(buf, S_2, q), three(buf, D, q), three(buf, N, q)

@@ -13,6 +13,7 @@ from contactlaws.errors import InputError, Problem, require
 from dem.box import Box
 from dem.jodrey_tory import push_apart
 from dem.packing_cells import cells_for
+from dem.particles import Particles, spheres
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -38,6 +39,10 @@ class Packing(NamedTuple):
     worst_overlap: float  # over the sum of the two radii; negative: a gap
     moves: int = 0  # of the packing algorithm, over all attempts
     contraction_rate: float = 0.0  # of the attempt that succeeded; 0 for other packings
+
+    def particles(self, density: float) -> Particles:
+        """At rest, of one density (kg/m3)."""
+        return spheres(self.position, self.radius, density)
 
 
 def random_close_packing(

@@ -5,14 +5,13 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from contactlaws.tangential import Damper, Mindlin, Rolling
 from dem.box import Box
-from dem.packing import Packing
-from dem.particles import Particles, spheres
+from dem.particles import Particles
 
 
 class Contact(NamedTuple):
@@ -196,6 +195,17 @@ def _bytes_of(fields: Iterable[Any]) -> bytes:
     return b"".join(b"-" if v is None else repr(np.shape(v)).encode() + np.ascontiguousarray(v).tobytes() for v in fields)
 
 
-def packed_scene(packing: Packing, density: float, contact: Contact, programme: tuple[Stage, ...], **settings: Any) -> Scene:
-    """A scene of the spheres of a packing, at rest, of one density (kg/m3). `settings` are those of `Scene`."""
-    return Scene(spheres(packing.position, packing.radius, density), packing.box, contact, programme, **settings)
+class Packed(Protocol):
+    """Bodies in a box, whatever their shape: `dem.packing.Packing`, `dem.ellipsoid_packing.EllipsoidPacking`."""
+
+    @property
+    def box(self) -> Box:
+        """Where they are."""
+
+    def particles(self, density: float) -> Particles:
+        """At rest, of one density (kg/m3)."""
+
+
+def packed_scene(packing: Packed, density: float, contact: Contact, programme: tuple[Stage, ...], **settings: Any) -> Scene:
+    """A scene of the bodies of a packing, at rest, of one density (kg/m3). `settings` are those of `Scene`."""
+    return Scene(packing.particles(density), packing.box, contact, programme, **settings)

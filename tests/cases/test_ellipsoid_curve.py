@@ -33,6 +33,8 @@ def test_it_writes_the_curve_of_the_law_in_si_units(tmp_path, capsys):
         (["--axes", "5 um", "6 um", "-1 um"], "axes[2]"),
         (["--axes", "5 um", "6 um", "4 um", "--unload-from", "0.4"], "0.2"),
         (["--axes", "5 um", "6 um", "4 GPa"], "GPa"),
+        (["--axes", "5 um", "51 um", "5 um"], "--axes"),
+        (["--axes", "5 um", "6 um", "4 um", "--other-axes", "20 um", "1 um", "1 um"], "--other-axes"),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_is_written(wrong, said, tmp_path, capsys):

@@ -15,7 +15,9 @@ from contactlaws.compiled import kernel
 from contactlaws.contact_ellipse import exact_factors
 from contactlaws.errors import InputError
 from contactlaws.hertz_ellipse import HertzEllipse
+from contactlaws.material import Material
 from contactlaws.shaped import UNTOUCHED, ShapedLaw, shaped_force, shaped_law_of, shaped_stored, untouched
+from contactlaws.whole_range_ellipsoid import whole_range_ellipsoid
 
 MODULUS = 1.0e9
 MEAN = 1.0
@@ -145,6 +147,39 @@ def test_an_elastic_contact_that_rolls_there_and_back_loses_nothing() -> None:
     assert stiff == pytest.approx(first, rel=1e-14)  # 5/2 of the energy over the overlap
     again, memory, rolled = shaped_force(HERTZ, (1.0, 1.0, MEAN), overlap, memory, rolled)
     assert (again, rolled[2]) == pytest.approx((first, 1.0), rel=1e-14)
+
+
+def test_a_contact_that_rolls_in_its_dent_gains_nothing_and_bears_again() -> None:
+    """A blunt contact, unloaded to where it bears nothing, becomes a sharper one, which would be left with a shallower dent.
+
+    Nothing comes back on the way out. Pressed again, less is got back than was put in, and deep enough the law is that of the new shape.
+    """
+    law = whole_range_ellipsoid(Material(18.0, 0.25, 1.0))
+    blunt, sharp, deep = (2.0, 1.0, MEAN), (1.0, 1.0, MEAN), 0.1
+
+    def in_the_dent() -> tuple[float, tuple[float, ...], tuple[float, ...]]:
+        memory, rolled, at = untouched(law), UNTOUCHED, deep
+        push, memory, rolled = shaped_force(law, blunt, at, memory, rolled)
+        while push > 0.0:
+            at *= 0.999
+            push, memory, rolled = shaped_force(law, blunt, at, memory, rolled)
+        assert shaped.stored(law, sharp, at, shaped.kept(law, memory)) > 0.0  # what there would be to gain
+        _, memory, rolled = shaped_force(law, sharp, at, memory, rolled)
+        return at, memory, rolled
+
+    at, memory, rolled = in_the_dent()
+    for overlap in np.linspace(at, 0.0, 50).tolist():
+        push, memory, rolled = shaped_force(law, sharp, overlap, memory, rolled)
+        assert push <= 1e-12  # round-off of the dent's depth
+    at, memory, rolled = in_the_dent()
+    push, _, _ = shaped_force(law, sharp, 0.15, memory, rolled)
+    assert push == pytest.approx(shaped.force(law, sharp, 0.15, untouched(law))[0], rel=1e-12)
+    work, before = 0.0, 0.0
+    for overlap in np.linspace(at, deep, 400).tolist():
+        push, memory, rolled = shaped_force(law, sharp, overlap, memory, rolled)
+        work, before = work + 0.5 * (push + before) * (deep - at) / 399.0, push
+    assert push > 0.0
+    assert shaped_stored(law, MEAN, deep, memory, rolled) <= work * (1.0 + 1e-3)  # trapezium
 
 
 def test_separation_clears_everything() -> None:

@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
+import dem
 from contactlaws.ellipsoid_gap import meeting
 from contactlaws.errors import InputError
-from dem.ellipsoid_packing import random_ellipsoids
+from contactlaws.hertz_ellipse import HertzEllipse
+from dem.ellipsoid_packing import EllipsoidPacking, random_ellipsoids
 
 AXES = (5e-6, 4e-6, 3.3e-6)
 compiled_only = pytest.mark.compiled_only(reason="thousands of steps of interpreted kernels")
@@ -30,6 +32,17 @@ def test_fraction_is_reached_without_overlap() -> None:
             if np.linalg.norm(branch) < 2.0 * max(AXES):
                 worst = max(worst, meeting(AXES, packing.orientation[i], AXES, packing.orientation[j], branch).overlap)
     assert worst / (2.0 * size) == pytest.approx(packing.worst_overlap, abs=1e-9)
+
+
+def test_a_scene_takes_it_like_a_packing_of_spheres() -> None:
+    orientation = np.array([[0.6, 0.0, 0.8, 0.0]])
+    packing = EllipsoidPacking(np.full((1, 3), 1e-5), np.array([AXES]), orientation, dem.Box((2e-5,) * 3), 0.03, 0.0, 0)
+    scene = dem.packed_scene(packing, 4750.0, dem.Contact(HertzEllipse(1.5e11)), (dem.hold(1e-9),))
+    assert scene.box is packing.box
+    assert scene.particles.axes is not None
+    assert scene.particles.orientation is not None
+    assert np.array_equal(scene.particles.axes, packing.axes)
+    assert np.array_equal(scene.particles.orientation, packing.orientation)
 
 
 @compiled_only
