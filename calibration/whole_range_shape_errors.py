@@ -3,7 +3,8 @@
     python -m calibration.whole_range_shape_errors FOLDER
 
 Of each body and unloading up to an overlap of .15 of the mean radius: the mean error of the force along load, unload and reload over the
-largest force, in equal steps of the overlap; the residual overlap over the largest; the contact area along the same path over the largest.
+largest force, in equal steps of the overlap, also averaged over the unloadings of a body; the residual overlap over the largest; the
+contact area where the unloading begins, and its mean error along the unloading over the area there.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy.typing as npt
 
 from calibration.whole_range_shape_data import Pressed, Unloading, read_folder
 from contactlaws import whole_range_shape_constants
-from contactlaws.whole_range_shape import constants_of, shaped_area, shaped_loading, shaped_recovered, shaped_terms
+from contactlaws.whole_range_shape import constants_of, shaped_area, shaped_loading, shaped_recovered, shaped_retreat, shaped_terms
 from contactlaws.whole_range_unloading import shape
 
 FloatArray = npt.NDArray[np.float64]
@@ -32,7 +33,8 @@ class Errors(NamedTuple):
     force: float  # mean along the path over the largest
     loading: float  # mean of the loading over the largest
     residual: float  # overlap, law less curve, over the largest overlap
-    area: float  # largest difference on the loading, over the area there
+    area: float  # at the last row of the loading up to there, over the area
+    retreat: float  # of the area, mean along the unloading over the largest
     name: str
     depth: float  # over the mean radius
 
@@ -48,7 +50,8 @@ def errors(body: Pressed, c: FloatArray, one: Unloading) -> Errors:
     loading = abs(np.array([shaped_loading(law, c, local, d)[0] for d in up]) - _between(body, up)) / one.load
     first = one.depth - max(recovered, one.recovered)
     back = np.linspace(first, one.depth, STEPS + 1)
-    own = load * np.array([shape(terms, max(0.0, 1.0 - (one.depth - d) / recovered)) for d in back])
+    left = np.maximum(0.0, 1.0 - (one.depth - back) / recovered)
+    own = load * np.array([shape(terms, s) for s in left])
     curve = one.load * np.interp(back, one.depth - one.recovered * (1.0 - one.left[::-1]), one.share[::-1], left=0.0)
     unloading = abs(own - curve) / one.load
     # load once, unload and reload on one line: each in proportion to its way
@@ -57,7 +60,10 @@ def errors(body: Pressed, c: FloatArray, one: Unloading) -> Errors:
     keep = (body.depth <= one.depth) & (body.t > 0.05)
     found = np.array([shaped_area(law, c, local, d, shaped_loading(law, c, local, d)[1]) for d in body.depth[keep][-1:]])
     difference = abs(found / body.area[keep][-1:] - 1.0).max(initial=0.0)
-    return Errors(mean, loading.mean(), (one.recovered - recovered) / one.depth, difference, body.name, one.depth * local[1])
+    rests = area * np.array([shaped_retreat(law, c, local, one.depth, phi, s) for s in left])
+    rested = one.area * np.interp(back, one.depth - one.recovered * (1.0 - one.left[::-1]), one.area_share[::-1], left=0.0)
+    retreat = abs(rests - rested).mean() / one.area
+    return Errors(mean, loading.mean(), (one.recovered - recovered) / one.depth, difference, retreat, body.name, one.depth * local[1])
 
 
 def _between(body: Pressed, depth: FloatArray) -> FloatArray:
@@ -80,7 +86,7 @@ def report(table: Mapping[str, FloatArray], bodies: Sequence[Pressed]) -> str:
     """Percentiles and the worst, as text."""
     found = all_errors(table, bodies)
     lines = [f"{len(found)} unloadings up to {DEEPEST} of the mean radius; errors in % at the 50/75/90/100th percentile"]
-    for name in ("force", "loading", "residual", "area"):
+    for name in ("force", "loading", "residual", "area", "retreat"):
         values = np.array([100.0 * abs(getattr(one, name)) for one in found])
         text = "/".join(f"{value:.2f}" for value in np.percentile(values, (50, 75, 90, 100)))
         worst = found[int(values.argmax())]
@@ -88,7 +94,17 @@ def report(table: Mapping[str, FloatArray], bodies: Sequence[Pressed]) -> str:
     for name, limit in (("force", 0.01), ("residual", 0.02), ("area", 0.03)):
         beyond = sum(abs(getattr(one, name)) > limit for one in found)
         lines.append(f"{name} beyond {100 * limit:g} %: {beyond} of {len(found)}")
+    lines.append(_worst_body(found))
     return "\n".join(lines)
+
+
+def _worst_body(found: Sequence[Errors]) -> str:
+    """Errors of the force averaged over the unloadings of each body, the largest of all bodies, as text."""
+    forces: dict[str, list[float]] = {}
+    for one in found:
+        forces.setdefault(one.name, []).append(one.force)
+    largest, name = max((float(np.mean(values)), name) for name, values in forces.items())
+    return f"force, mean over the unloadings of a body: at most {100.0 * largest:.2f} % of {len(forces)} bodies, {name}"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
