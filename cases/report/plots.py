@@ -252,17 +252,33 @@ def stress_strain(histories: Mapping[str, Mapping[str, Any]], colours: Mapping[s
     return figure
 
 
+#: terms of the energy balance in the order of their layers, with names for people and colours
+LAYERS = {
+    "dissipated": ("dissipated in contacts", "#d9a066"),
+    "rubbed": ("rubbed off by friction", "#c98f8f"),
+    "dashed": ("taken by dampers", "#b8a4c9"),
+    "damped": ("taken by the drag", "#e6cfa8"),
+    "sheared": ("stored by friction", "#7fa3a0"),
+    "stored": ("stored", "#9db9d3"),
+    "kinetic": ("kinetic", "#b9cfb0"),
+}
+#: share of the largest energy below which a term has no layer
+VISIBLE = 1e-3
+
+
 @styled
 def energies(values: Mapping[str, Any]) -> Figure:
-    """Where the work of the boundary went: dissipated in contacts, damped, stored, kinetic; the line is the work itself."""
+    """Where the work of the boundary went, layer upon layer; the line is the work itself."""
     figure, axis = _figure(4.4, 3.0)
-    unit, word = _energy_unit(float(np.max(np.abs(values["boundary_work"]))))
+    terms = {name: np.asarray(values[name], dtype=float) for name in LAYERS}
+    work = np.asarray(values["boundary_work"]) + sum(float(term[0]) for term in terms.values())
+    largest = float(max(np.max(np.abs(work)), *(np.max(term) for term in terms.values())))
+    unit, word = _energy_unit(largest)
     time = np.asarray(values["time"]) / max(float(values["time"][-1]), 1e-300)
-    start = values["stored"][0] + values["dissipated"][0] + values["kinetic"][0]
-    names = ("dissipated", "damped", "stored", "kinetic")
-    parts = [np.asarray(values[name]) / unit for name in names]
-    axis.stackplot(time, parts, labels=names, colors=("#d9a066", "#e6cfa8", "#9db9d3", "#b9cfb0"), lw=0)
-    axis.plot(time, (np.asarray(values["boundary_work"]) + start) / unit, color="black", lw=1.0, ls="--", label="work of the boundary")
+    shown = [name for name, term in terms.items() if np.max(term) > VISIBLE * largest]
+    labels, colours = zip(*(LAYERS[name] for name in shown or ["stored"]), strict=True)
+    axis.stackplot(time, [terms[name] / unit for name in shown or ["stored"]], labels=labels, colors=colours, lw=0)
+    axis.plot(time, work / unit, color="black", lw=1.0, ls="--", label="work of the boundary")
     axis.set(xlabel="time over duration", ylabel=f"energy ({word})", xlim=(0, 1))
     axis.set_ylim(bottom=0)
     axis.legend(loc="upper left")
