@@ -85,7 +85,10 @@ def ellipsoids(
     array([4.04e-06])
     """
     x = np.array(position, dtype=float).reshape(-1, 3)
-    half = np.array(np.broadcast_to(np.array(axes, dtype=float), (len(x), 3)))
+    given = np.array(axes, dtype=float)
+    if given.shape not in ((3,), (len(x), 3)):
+        require([Problem("axes", given.shape, f"must have the shape (3,) or ({len(x)}, 3)", "give three half axes, for all or for each")])
+    half = np.array(np.broadcast_to(given, (len(x), 3)))
     turned = np.array(np.broadcast_to((1.0, 0.0, 0.0, 0.0), (len(x), 4))) if orientation is None else np.array(orientation, dtype=float)
     v, w = (np.zeros_like(x) if rows is None else np.array(rows, dtype=float).reshape(-1, 3) for rows in (velocity, spin))
     wrong = []

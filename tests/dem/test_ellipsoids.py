@@ -306,6 +306,8 @@ def test_what_ellipsoids_cannot_do_is_said() -> None:
         dem.ellipsoids([[0.0] * 3], TRIAXIAL, DENSITY, [[0.0] * 4])
     with pytest.raises(InputError, match="positive"):
         dem.ellipsoids([[0.0] * 3], (1.0, 1.0, -1.0), DENSITY)
+    with pytest.raises(InputError, match="three half axes"):
+        dem.ellipsoids([[0.0] * 3], (1.0, 1.0), DENSITY)
 
 
 def test_stress_is_that_of_the_contacts() -> None:
