@@ -29,7 +29,7 @@ from fem.readout import exponent
 
 FloatArray = npt.NDArray[np.float64]
 
-FORCE_BOUND, STIFFNESS_BOUND, EXPONENT_BOUND = 0.007, 0.01, 0.02
+FORCE_BOUND, STIFFNESS_BOUND, EXPONENT_BOUND, RADIUS_BOUND = 0.007, 0.01, 0.02, 0.01
 #: the first part of a loading path is left out: there the other code has few nodes in contact
 FROM_SHARE = 0.2
 #: rows of an unloading from which the other code's zero of force is extrapolated
@@ -47,6 +47,7 @@ class Reference(NamedTuple):
     bracket: tuple[FloatArray, FloatArray] | None  # of the contact radius
     unloading_overlap: FloatArray  # first row: the last of the loading
     unloading_force: FloatArray
+    unloading_bracket: tuple[FloatArray, FloatArray] | None  # without that first row
 
 
 class Comparison(NamedTuple):
@@ -58,6 +59,7 @@ class Comparison(NamedTuple):
     exponent: float | None  # difference
     inside: float | None  # share of contact radii within the bracket
     outside_by: float | None  # farthest from the bracket, over the radius of contact
+    unloading_outside: float | None  # mean distance from the bracket along the unloading, over the largest radius
     radius_error: float  # the curve's own estimate for its contact radius
     cpu_seconds: float
 
@@ -68,6 +70,7 @@ class Comparison(NamedTuple):
             ("unloading stiffness", self.stiffness, STIFFNESS_BOUND),
             ("unloading exponent", self.exponent, EXPONENT_BOUND),
             ("contact radius outside its bracket", self.outside_by, self.radius_error),
+            ("contact radius outside its bracket on unloading", self.unloading_outside, RADIUS_BOUND),
         )
         return [f"{name} {value:+.4f} (bound {bound})" for name, value, bound in rows if value is not None and not abs(value) <= bound]
 
@@ -85,9 +88,9 @@ def read(file: Path) -> Reference:
     load = rows["stage"] == "load"
     last = np.flatnonzero(load)[-1:]
     unload = np.concatenate([last, np.flatnonzero(~load)])
-    bracket = (rows["a_lo"][load], rows["a_hi"][load]) if {"a_lo", "a_hi"} <= columns else None
+    bracket, back = ((rows["a_lo"][part], rows["a_hi"][part]) if {"a_lo", "a_hi"} <= columns else None for part in (load, ~load))
     material = Material(float(match["ratio"]), float(match["nu"]), 1.0)
-    return Reference(file.stem, material, rows["delta"][load], rows["F"][load], bracket, rows["delta"][unload], rows["F"][unload])
+    return Reference(file.stem, material, rows["delta"][load], rows["F"][load], bracket, rows["delta"][unload], rows["F"][unload], back)
 
 
 def separation(overlap: FloatArray, force: FloatArray) -> float:
@@ -106,20 +109,30 @@ def _exponent(overlap: FloatArray, force: FloatArray, zero: float) -> float:
     return exponent(np.append(overlap, zero), np.append(force, 0.0))
 
 
-def _unloading(curve: Curve, reference: Reference) -> tuple[float, float] | tuple[None, None]:
-    """Relative difference of 1/(d_max - d_0), and difference of the exponents on the same shares of the recovery."""
+def _unloading(curve: Curve, reference: Reference) -> tuple[float, float, float | None] | tuple[None, None, None]:
+    """Relative difference of 1/(d_max - d_0); on the same shares of the recovery, difference of the exponents, and `unloading_outside`."""
     x, f = reference.unloading_overlap, reference.unloading_force
     if np.count_nonzero(f > 0.0) <= LAST_ROWS:
-        return None, None
+        return None, None, None
     zero = separation(x, f)
     rows = curve.rows(1)
-    own_x, own_f = curve.overlap[rows], curve.force[rows]
-    x, f = x[f > 0.0], f[f > 0.0]
+    own_x, own_f, own_a = curve.overlap[rows], curve.force[rows], curve.contact_radius[rows]  # type: ignore[index]
+    pressed = f > 0.0
+    x, f = x[pressed], f[pressed]
     share = (x - zero) / (x[0] - zero)
     at = own_x[-1] + share * (own_x[0] - own_x[-1])
     own_at = PchipInterpolator(own_x[::-1], own_f[::-1])(at)
     stiffness = (x[0] - zero) / (own_x[0] - own_x[-1]) - 1.0
-    return float(stiffness), _exponent(at, own_at, float(own_x[-1])) - _exponent(x, f, zero)
+    outside = None
+    if reference.unloading_bracket is not None:
+        low, high = (side[pressed[1:]] for side in reference.unloading_bracket)
+        outside = float((_distance(np.interp(at[1:], own_x[::-1], own_a[::-1]), low, high) / own_a[0]).mean())
+    return float(stiffness), _exponent(at, own_at, float(own_x[-1])) - _exponent(x, f, zero), outside
+
+
+def _distance(value: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """From the bracket, 0 inside."""
+    return np.maximum(np.maximum(low - value, value - high), 0.0)
 
 
 def compare(curve: Curve, reference: Reference) -> Comparison:
@@ -133,14 +146,12 @@ def compare(curve: Curve, reference: Reference) -> Comparison:
     if reference.bracket is not None:
         low, high = (side[beyond] for side in reference.bracket)
         a = np.exp(np.interp(np.log(x), np.log(overlap), np.log(radius)))
-        outside = np.maximum(np.maximum(low - a, a - high), 0.0) / a
+        outside = _distance(a, low, high) / a
         inside, outside_by = float((outside == 0.0).mean()), float(outside.max())
     by_work = float(np.trapezoid(own, x) / np.trapezoid(f, x) - 1.0)
-    stiffness, shift = _unloading(curve, reference)
-    cost = float(curve.provenance["cpu_seconds"])
-    return Comparison(
-        by_work, float((own / f - 1.0).mean()), stiffness, shift, inside, outside_by, curve.errors.get("contact_radius", 0.0), cost
-    )
+    stiffness, shift, back = _unloading(curve, reference)
+    cost, radius_error = float(curve.provenance["cpu_seconds"]), curve.errors.get("contact_radius", 0.0)
+    return Comparison(by_work, float((own / f - 1.0).mean()), stiffness, shift, inside, outside_by, back, radius_error, cost)
 
 
 def compute(reference: Reference, tolerance: float) -> Curve:
@@ -152,10 +163,10 @@ def _lines(name: str, found: Comparison) -> Iterator[str]:
     def text(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
 
-    yield (
-        f"{name:28s}{found.force_by_work:+11.2%}{found.force_pointwise:+11.2%}{text(found.stiffness, '+.2%'):>12s}"
-        f"{text(found.exponent, '+.4f'):>11s}{text(found.inside, '.1%'):>9s}{text(found.outside_by, '.2%'):>9s}{found.cpu_seconds:8.2f}"
-    )
+    force = f"{found.force_by_work:+11.2%}{found.force_pointwise:+11.2%}"
+    back = f"{text(found.stiffness, '+.2%'):>12s}{text(found.exponent, '+.4f'):>11s}"
+    radius = f"{text(found.inside, '.1%'):>9s}{text(found.outside_by, '.2%'):>9s}{text(found.unloading_outside, '.2%'):>9s}"
+    yield f"{name:28s}{force}{back}{radius}{found.cpu_seconds:8.2f}"
     for broken in found.broken():
         yield f"    BROKEN: {broken}"
 
@@ -173,8 +184,19 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"no file E<ratio>_nu<nu>_d<overlap>.csv in {where}", file=sys.stderr)
         return 2
     fem.press(Material(100.0, 0.3, 1.0), unload_from=[1e-3], tolerance=0.01)  # compiles; not counted below
-    print(f"{'':28s}{'force':>22s}{'':>12s}{'':>11s}{'contact radius':>18s}")
-    print(f"{'curve':28s}{'by work':>11s}{'pointwise':>11s}{'stiffness':>12s}{'exponent':>11s}{'inside':>9s}{'off by':>9s}{'CPU s':>8s}")
+    print(f"{'':28s}{'force':>22s}{'':>12s}{'':>11s}{'contact radius':>27s}")
+    heads = {
+        "curve": -28,
+        "by work": 11,
+        "pointwise": 11,
+        "stiffness": 12,
+        "exponent": 11,
+        "inside": 9,
+        "off by": 9,
+        "back by": 9,
+        "CPU s": 8,
+    }
+    print("".join(head.ljust(-width) if width < 0 else head.rjust(width) for head, width in heads.items()))
     held = True
     for file in usable:
         reference = read(file)
@@ -182,7 +204,8 @@ def main(arguments: list[str] | None = None) -> int:
         held &= not found.broken()
         print("\n".join(_lines(reference.name, found)), flush=True)
     print(
-        f"bounds: force {FORCE_BOUND:.1%}, 1/(d_max - d_0) {STIFFNESS_BOUND:.0%}, exponent {EXPONENT_BOUND}: {'held' if held else 'BROKEN'}"
+        f"bounds: force {FORCE_BOUND:.1%}, 1/(d_max - d_0) {STIFFNESS_BOUND:.0%}, exponent {EXPONENT_BOUND}, "
+        f"radius on the way back {RADIUS_BOUND:.0%}: {'held' if held else 'BROKEN'}"
     )
     for file in sorted(set(files) - set(usable)):
         print(f"not compared, the name says nothing of the material: {file.name}")

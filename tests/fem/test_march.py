@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import islice
+from itertools import islice, pairwise
 
 import numpy as np
 import pytest
@@ -13,8 +13,9 @@ from contactlaws.curve import Curve
 from contactlaws.errors import InputError
 from contactlaws.material import Material
 from fem.assembly import Discretisation, discretise
+from fem.branch import contact_edge, from_states
 from fem.march import Steps, interval, landings, unload
-from fem.mesh import spheroid
+from fem.mesh import FloatArray, spheroid
 from fem.newton import RESIDUAL, ByOverlap, Equilibrium, NoEquilibrium, State
 from fem.press import moduli_of, press
 from fem.walk import walk
@@ -162,3 +163,43 @@ def test_a_node_that_rests_before_its_turn_ends_the_interval(body: Discretisatio
     resting = int(np.count_nonzero(state.active)) - 3
     with pytest.raises(NoEquilibrium):
         interval(solver, state, resting, 0.1 * state.overlap, state.force, Steps())
+
+
+def surface_radius(body: Discretisation, state: State) -> FloatArray:
+    """Deformed."""
+    return np.asarray((body.section.mesh.p[0] + state.displacement[:, 0])[body.section.surface])
+
+
+def test_the_edge_of_an_elastic_contact_goes_with_the_root_of_the_overlap_between_landings():
+    """As in Hertz's contact, from node to node; what is read from pressures is within a tenth of an element of it."""
+    body = discretise(spheroid(8, 0.05))
+    before: State | None = None
+    read = 0
+    for place, path in islice(landings(Equilibrium(body, ELASTIC), Steps(first=0.2, growth=1.0)), 14):
+        if before is not None and place > 3:
+            ends = np.sqrt([before.overlap, path[-1].overlap])
+            for state in path[:-1]:
+                radius, (last, edge) = surface_radius(body, state), contact_edge(body, state)
+                assert last == place - 1
+                share = (np.sqrt(state.overlap) - ends[0]) / (ends[1] - ends[0])
+                assert (edge - radius[last]) / (radius[place] - radius[last]) == pytest.approx(share, abs=0.1)
+                read += 1
+        before = path[-1]
+    assert read > 20
+
+
+def test_the_edge_passes_the_nodes_of_a_plastic_contact_as_they_are_let_go(body: Discretisation):
+    """Read just before and after, it is at the node within a third of an element; usual steps read what short ones do."""
+    solver = Equilibrium(body, PLASTIC)
+    start = list(loaded(solver, 12))[-1]
+    short = unload(solver, start, Steps(force_drop=0.01, tail=0.04))
+    passed = 0
+    for before, after in pairwise(short[:-1]):
+        (node, edge), (inner, later) = contact_edge(body, before), contact_edge(body, after)
+        if inner == node - 1 and after.force > 0.1 * start.force:  # the steps of the rest are no shorter than elements
+            radius = surface_radius(body, after)
+            assert np.array([edge, later]) == pytest.approx(radius[node], abs=0.33 * (radius[node] - radius[inner]))
+            passed += 1
+    assert passed >= 3
+    usual, fine = (from_states(body, states).retreat for states in (unload(solver, start, Steps()), short))
+    assert abs(usual - fine).mean() < 0.01
