@@ -164,29 +164,36 @@ def to_the_front(buf, place, q, to):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def on_flat(share, buf, q):  # type: ignore[no-untyped-def]
+    """Shape, and overlap in m, of the one body on a flat that a contact of a block is to the law: see `contactlaws.shaped`."""
+    scale = 1.0 / share
+    return (buf[RADIUS, q] * scale, buf[RATIO, q], buf[MEAN, q] * scale), buf[GAP, q] * share
+
+
+@inlined
+def answered(law, buf, q, found):  # type: ignore[no-untyped-def]
+    """Write what the law has found for a contact into its block: force, the law's memory, `shaped.ROLLED`."""
+    buf[FORCE, q], own, rolled = found
+    shaped.remember(law, buf, OWN, q, own)
+    buf[WAS, q], buf[WAS + 1, q], buf[WAS + 2, q], buf[WAS + 3, q] = rolled
+
+
+@inlined
 def pushed(law, share, buf, size):  # type: ignore[no-untyped-def]
     """Forces of the law, of all contacts of a block whose shape lasts; tells the others."""
-    scale = 1.0 / share
     for q in range(size):
-        shape, deep = (buf[RADIUS, q] * scale, buf[RATIO, q], buf[MEAN, q] * scale), buf[GAP, q] * share
+        shape, deep = on_flat(share, buf, q)
         rolled = shaped.begun(shape, (buf[WAS, q], buf[WAS + 1, q], buf[WAS + 2, q], buf[WAS + 3, q]))
         buf[ALONE, q] = 0.0 if shaped.lasting(shape, deep, rolled) else 1.0
-        f, own, rolled = shaped.lasting_force(law, shape, deep, shaped.remembered(law, buf, OWN, q), rolled)
-        buf[FORCE, q] = f
-        shaped.remember(law, buf, OWN, q, own)
-        buf[WAS, q], buf[WAS + 1, q], buf[WAS + 2, q], buf[WAS + 3, q] = rolled
+        answered(law, buf, q, shaped.lasting_force(law, shape, deep, shaped.remembered(law, buf, OWN, q), rolled))
 
 
 @inner
 def pushed_alone(law, share, buf, q, memory, row):  # type: ignore[no-untyped-def]
     """The force of the law of a contact that has rolled, from what was before it."""
-    scale = 1.0 / share
-    shape, deep = (buf[RADIUS, q] * scale, buf[RATIO, q], buf[MEAN, q] * scale), buf[GAP, q] * share
+    shape, deep = on_flat(share, buf, q)
     rolled = (memory[ROLLED, row], memory[ROLLED + 1, row], memory[ROLLED + 2, row], memory[ROLLED + 3, row])
-    f, own, rolled = shaped.shaped_force(law, shape, deep, shaped.remembered(law, memory, OF_LAW, row), rolled)
-    buf[FORCE, q] = f
-    shaped.remember(law, buf, OWN, q, own)
-    buf[WAS, q], buf[WAS + 1, q], buf[WAS + 2, q], buf[WAS + 3, q] = rolled
+    answered(law, buf, q, shaped.shaped_force(law, shape, deep, shaped.remembered(law, memory, OF_LAW, row), rolled))
 
 
 @inlined
@@ -244,6 +251,14 @@ def twisted(buf, size):  # type: ignore[no-untyped-def]
         buf[T_1, q], buf[T_1 + 1, q], buf[T_1 + 2, q] = p[1] * g[2] - p[2] * g[1], p[2] * g[0] - p[0] * g[2], p[0] * g[1] - p[1] * g[0]
         x, y, z = p[0] - d[0], p[1] - d[1], p[2] - d[2]
         buf[T_2, q], buf[T_2 + 1, q], buf[T_2 + 2, q] = y * g[2] - z * g[1], z * g[0] - x * g[2], x * g[1] - y * g[0]
+
+
+@inlined
+def less(force, torque, body, f, t):  # type: ignore[no-untyped-def]
+    """Take from a body what it does to those that it touches."""
+    for a in range(3):
+        force[body, a] -= f[a]
+        torque[body, a] -= t[a]
 
 
 @kernel
@@ -388,12 +403,7 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
                     memory[ROLLED + k, at] = buf[WAS + k, q]
             shaped.remember(law, memory, OF_LAW, at, shaped.remembered(law, buf, OWN, q))
             if i != current:
-                force[current, 0] -= fx
-                force[current, 1] -= fy
-                force[current, 2] -= fz
-                torque[current, 0] -= tx
-                torque[current, 1] -= ty
-                torque[current, 2] -= tz
+                less(force, torque, current, (fx, fy, fz), (tx, ty, tz))
                 fx, fy, fz, tx, ty, tz, current = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, i
             gx, gy, gz = three(buf, G, q)
             fx, fy, fz = fx + gx, fy + gy, fz + gz
@@ -413,12 +423,7 @@ def ellipsoid_forces(  # type: ignore[no-untyped-def]
             if len(network) > 0:
                 network[at, 0], network[at, 1], network[at, 2] = gx, gy, gz
     if span[0] < span[1]:
-        force[current, 0] -= fx
-        force[current, 1] -= fy
-        force[current, 2] -= fz
-        torque[current, 0] -= tx
-        torque[current, 1] -= ty
-        torque[current, 2] -= tz
+        less(force, torque, current, (fx, fy, fz), (tx, ty, tz))
     virial[0, 0], virial[0, 1], virial[0, 2] = virial[0, 0] + xx, virial[0, 1] + xy, virial[0, 2] + xz
     virial[1, 0], virial[1, 1], virial[1, 2] = virial[1, 0] + yx, virial[1, 1] + yy, virial[1, 2] + yz
     virial[2, 0], virial[2, 1], virial[2, 2] = virial[2, 0] + zx, virial[2, 1] + zy, virial[2, 2] + zz
