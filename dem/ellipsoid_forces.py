@@ -457,9 +457,10 @@ def _ellipsoids_on_threads(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     """`ellipsoid_forces` of all pairs of one kind, a share on each thread."""
     parts, count = len(force), len(first)
+    laws = [law]  # a parallel loop takes records of values, but none of records
     for part in numba.prange(parts):
         ellipsoid_forces(
-            law, tangential, damper, share, rates, first, partner, image, memory, slip, damping,
+            laws[0], tangential, damper, share, rates, first, partner, image, memory, slip, damping,
             position, velocity, spin, radius, mass, one_mass, surface, turned, frame, dt,
             (count * part // parts, count * (part + 1) // parts),
             force[part], torque[part], virial[part], reaction[part], network, tally[part],
