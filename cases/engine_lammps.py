@@ -16,7 +16,7 @@ import numpy as np
 
 import contactlaws  # noqa: F401  (all laws: any may stand in the file)
 import dem
-from cases.batch.work.scenes import contact_of, programme_of
+from cases.batch.work.scenes import scene_of
 from cases.casefile.reading import read_scene
 from cases.casefile.schema import Scene
 from cases.report import history
@@ -52,15 +52,7 @@ def _problems(asked: Scene, law: Path, ranks: int) -> Iterator[Problem]:
 
 
 def _scene(asked: Scene, law: Path, packing: Packing) -> dem.Scene:
-    fit, values = fitted.load(law), asked.model_dump()
-    return dem.packed_scene(
-        packing,
-        asked.density,
-        contact_of(fit, values),
-        programme_of(values),
-        quasi_static=dem.QuasiStatic() if asked.routine == "quasi-static" else None,
-        **{name: values[name] for name in ("affine", "density_scaling", "inertial_number", "time_step_fraction", "carry")},
-    )
+    return scene_of(packing.particles(asked.density), packing.box, fitted.load(law), asked.model_dump())
 
 
 def _on_ranks(scene: Path, law: Path, folder: Path, ranks: int) -> str | None:

@@ -19,7 +19,7 @@ from contactlaws.errors import Problem, require
 from contactlaws.hertz_ellipse import HertzEllipse
 from contactlaws.material import Material
 from contactlaws.pair import effective
-from contactlaws.whole_range_ellipsoid import whole_range_ellipsoid
+from contactlaws.whole_range_ellipsoid import WholeRangeEllipsoid, whole_range_ellipsoid
 
 Axes = tuple[float, float, float]
 
@@ -66,7 +66,7 @@ def on_flat(material: Material, axes: Axes) -> EllipsoidContact:
     """
     require(_problems(axes))
     tensor = _at_the_pole(axes)
-    return _contact(_law(material), tensor, np.zeros((3, 3)), _mean(axes), 1.0, _mean(axes))
+    return _contact(ellipsoid_law(material), tensor, np.zeros((3, 3)), _mean(axes), 1.0, _mean(axes))
 
 
 def of_pair(material_1: Material, axes_1: Axes, material_2: Material, axes_2: Axes, angle: float = 0.0) -> EllipsoidContact:
@@ -80,10 +80,11 @@ def of_pair(material_1: Material, axes_1: Axes, material_2: Material, axes_2: Ax
     body = effective(material_1, mean_1, material_2, mean_2, share)
     other = turn @ _at_the_pole(axes_2) @ turn.T
     mean = mean_1 * mean_2 / ((mean_1 + mean_2) * share)
-    return _contact(_law(body.material), _at_the_pole(axes_1), other, mean, share, mean_1 + mean_2)
+    return _contact(ellipsoid_law(body.material), _at_the_pole(axes_1), other, mean, share, mean_1 + mean_2)
 
 
-def _law(material: Material) -> object:
+def ellipsoid_law(material: Material) -> HertzEllipse | WholeRangeEllipsoid:
+    """The law of ellipsoids of a material: the whole-range one, or Hertz's if it does not yield."""
     return HertzEllipse(float(material.reduced_modulus)) if material.yield_stress is None else whole_range_ellipsoid(material)
 
 

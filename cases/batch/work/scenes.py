@@ -15,12 +15,12 @@ from cases.batch.task import Task
 from cases.batch.work.place import Made, Outcome, Report, empty_folder, law_file, place, relative
 from cases.report import history
 from contactlaws import fitted
+from contactlaws.ellipsoid_contact import ellipsoid_law
 from contactlaws.fitted import FittedLaw
-from contactlaws.hertz_ellipse import HertzEllipse
 from contactlaws.material import Material
 from contactlaws.tangential import damper, mindlin, rolling
 from contactlaws.version import code_version
-from contactlaws.whole_range_ellipsoid import FARTHEST, whole_range_ellipsoid
+from contactlaws.whole_range_ellipsoid import FARTHEST
 from dem import output
 from dem.box import Box
 
@@ -30,15 +30,7 @@ def make(task: Task, folder: Path, made: Made, report: Report) -> Outcome:
 
     values = task.values
     bodies, box = next(_packed(folder / made[need].files["packing"], values) for need in task.needs if need.startswith("packings."))
-    scene = dem.Scene(
-        bodies,
-        box,
-        contact_of(None if values["shape"] else fitted.load(law_file(folder, task, made)), values),
-        programme_of(values),
-        quasi_static=dem.QuasiStatic() if values["routine"] == "quasi-static" else None,
-        **{name: values[name] for name in ("affine", "density_scaling", "inertial_number", "time_step_fraction", "threads")},
-        carry=tuple(values["carry"]),
-    )
+    scene = scene_of(bodies, box, None if values["shape"] else fitted.load(law_file(folder, task, made)), values)
     # a run can only be continued by the code that began it, so the code is in the checkpoint's name
     checkpoint = place(folder, task, f"-{hash_of(code_version())}.checkpoint.npz")
     trajectory = dem.run(scene, progress=report, checkpoint=checkpoint)
@@ -59,6 +51,19 @@ def _states(trajectory: dem.Trajectory, task: Task, folder: Path) -> dict[str, P
     return {"dump": output.write_dump(trajectory, place(folder, task, ".dump")), "contacts": contacts, "frames": frames}
 
 
+def scene_of(bodies: dem.Particles, box: Box, fit: FittedLaw | None, values: Mapping[str, Any]) -> dem.Scene:
+    """A packing with the physics, the programme and the settings that a scene's values ask for; without a fit, of ellipsoids."""
+    return dem.Scene(
+        bodies,
+        box,
+        contact_of(fit, values),
+        programme_of(values),
+        quasi_static=dem.QuasiStatic() if values["routine"] == "quasi-static" else None,
+        **{name: values[name] for name in ("affine", "density_scaling", "inertial_number", "time_step_fraction", "threads")},
+        carry=tuple(values["carry"]),
+    )
+
+
 def contact_of(fit: FittedLaw | None, values: Mapping[str, Any]) -> dem.Contact:
     """The physics that the scene asks for; without a fit, of ellipsoids."""
     contact = _of_ellipsoids(values) if fit is None else dem.Contact(fit.law, fitted_overlap=fit.max_overlap / fit.law.radius)
@@ -76,9 +81,7 @@ def contact_of(fit: FittedLaw | None, values: Mapping[str, Any]) -> dem.Contact:
 def _of_ellipsoids(values: Mapping[str, Any]) -> dem.Contact:
     """The whole-range law of their material, as far as its curves went; Hertz's if they don't yield."""
     material = Material(values["youngs_modulus"], values["poissons_ratio"], values["yield_stress"])
-    if material.yield_stress is None:
-        return dem.Contact(HertzEllipse(material.reduced_modulus))
-    return dem.Contact(whole_range_ellipsoid(material), fitted_overlap=FARTHEST)
+    return dem.Contact(ellipsoid_law(material), fitted_overlap=None if material.yield_stress is None else FARTHEST)
 
 
 def programme_of(values: Mapping[str, Any]) -> tuple[dem.Stage, ...]:
