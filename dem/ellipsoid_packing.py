@@ -51,6 +51,16 @@ class EllipsoidPacking(NamedTuple):
         return ellipsoids(self.position, self.axes, density, self.orientation)
 
 
+def half_axes(proportions: npt.ArrayLike, radius: float) -> FloatArray:
+    """Half axes in m, shape (3,), of the ellipsoid with these `proportions` and the volume of a sphere of `radius` (m).
+
+    >>> half_axes((1.0, 0.8, 0.64), 5e-6).round(8)
+    array([6.25e-06, 5.00e-06, 4.00e-06])
+    """
+    shape = np.asarray(proportions, dtype=float)
+    return np.asarray(radius * shape / np.cbrt(shape.prod()))
+
+
 def random_turns(count: int, seed: int) -> FloatArray:
     """Unit quaternions, all orientations alike, shape (n, 4)."""
     rows = np.random.default_rng(seed).normal(size=(count, 4))

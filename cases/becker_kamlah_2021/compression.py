@@ -14,7 +14,6 @@ import argparse
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 import dem
 from contactlaws.elastic import Hertz
@@ -22,11 +21,9 @@ from contactlaws.hertz_ellipse import HertzEllipse
 from contactlaws.material import Material
 from contactlaws.whole_range import whole_range
 from contactlaws.whole_range_ellipsoid import whole_range_ellipsoid
-from dem.ellipsoid_packing import random_ellipsoids
+from dem.ellipsoid_packing import half_axes, random_ellipsoids
 from dem.packing import random_close_packing
 from dem.trajectory import Trajectory
-
-FloatArray = npt.NDArray[np.float64]
 
 #: NMC as in the paper
 NMC, DENSITY = Material(142e9, 0.25, 7.9e9), 4750.0
@@ -54,12 +51,6 @@ LAWS = {
 }
 
 
-def half_axes() -> FloatArray:
-    """Of the ellipsoids in m, of the sphere's volume."""
-    axes = np.array(PROPORTIONS)
-    return np.asarray(axes * (RADIUS / np.cbrt(axes.prod())))
-
-
 def bed(shape: str, fraction: float, laws: Laws, strain: float, seed: int, count: int = COUNT) -> dem.Scene:
     """The bed of "spheres" or "ellipsoids", ready to be compressed along z and released."""
     settings = {"outputs": OUTPUTS, "frames": 2, "inertial_number": INERTIAL_NUMBER}
@@ -68,7 +59,7 @@ def bed(shape: str, fraction: float, laws: Laws, strain: float, seed: int, count
         packing = random_close_packing(count, fraction, RADIUS, seed)
         bodies, box, law = dem.spheres(packing.position, RADIUS, DENSITY), packing.box, laws.sphere
     else:
-        others = random_ellipsoids(count, fraction, half_axes(), seed)
+        others = random_ellipsoids(count, fraction, half_axes(PROPORTIONS, RADIUS), seed)
         bodies, box, law = others.particles(DENSITY), others.box, laws.ellipsoid
     return dem.Scene(bodies, box, dem.Contact(law, fitted_overlap=laws.fitted_overlap), programme, **settings)  # type: ignore[arg-type]
 

@@ -26,7 +26,7 @@ from contactlaws.material import Material
 from contactlaws.tangential import mindlin
 from contactlaws.whole_range import whole_range
 from contactlaws.whole_range_ellipsoid import whole_range_ellipsoid
-from dem.ellipsoid_packing import random_ellipsoids
+from dem.ellipsoid_packing import half_axes, random_ellipsoids
 from dem.measure import network
 from dem.motion import Deformation
 from dem.packing import random_close_packing
@@ -66,10 +66,8 @@ def pressed(made: dem.Scene, dt: float, drag: float) -> Working:
 
 def beds(count: int, aspect: float) -> dict[str, tuple[dem.Scene, dem.Scene]]:
     """Scenes of spheres and of ellipsoids of the same volume (1 : sqrt(aspect) : aspect): elastic and plastic ones."""
-    axes = np.array([1.0, aspect**0.5, aspect])
-    axes *= RADIUS / np.cbrt(axes.prod())
     balls = random_close_packing(count, FRACTIONS[0], RADIUS, seed=1)
-    others = random_ellipsoids(count, FRACTIONS[1], axes, seed=1)
+    others = random_ellipsoids(count, FRACTIONS[1], half_axes((1.0, aspect**0.5, aspect), RADIUS), seed=1)
     modulus, friction = MATERIAL.reduced_modulus, mindlin(0.3, MATERIAL)
     elastic, plastic = (Hertz(RADIUS, modulus), HertzEllipse(modulus)), (whole_range(PLASTIC, RADIUS), whole_range_ellipsoid(PLASTIC))
     made = {}

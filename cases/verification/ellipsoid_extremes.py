@@ -26,7 +26,7 @@ from contactlaws.compiled import kernel
 from contactlaws.ellipsoid_gap import closest, meeting, surface_tensor
 from contactlaws.files import write_text
 from contactlaws.hertz_ellipse import HertzEllipse
-from dem.ellipsoid_packing import random_ellipsoids, random_turns
+from dem.ellipsoid_packing import half_axes, random_ellipsoids, random_turns
 from dem.measure import energies
 from dem.motion import Deformation
 from dem.rotation import matrices, rotational_energy, shapes_of, turn
@@ -191,7 +191,7 @@ def _collision(
     axes: tuple[float, float, float], turns: FloatArray, spin: float, speed: float, aside: float, fraction: float = 0.05
 ) -> tuple[float, float, float]:
     """Of two bodies (half axes in 5 um) that fly at each other: error of the energy, of the angular momentum, and the deepest D."""
-    half = np.array(axes) * RADIUS / np.cbrt(np.prod(axes))
+    half = half_axes(axes, RADIUS)
     reach = 1.05 * float(half.max())
     position = np.array([[0.0, 0.0, -reach], [aside * RADIUS, 0.3 * aside * RADIUS, reach]]) + 50.0 * RADIUS
     rates = spin * np.array([[0.6, 0.0, 0.8], [0.0, -0.8, 0.6]])

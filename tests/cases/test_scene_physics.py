@@ -9,7 +9,6 @@ import pytest
 
 import dem
 from cases.batch.plan import plan, scene_plan
-from cases.batch.work.packings import half_axes
 from cases.batch.work.scenes import contact_of, programme_of
 from cases.casefile import reading
 from cases.report import history
@@ -21,7 +20,7 @@ from contactlaws.fitted import FittedLaw
 from contactlaws.hertz_ellipse import HertzEllipse
 from contactlaws.material import Material
 from contactlaws.whole_range_ellipsoid import WholeRangeEllipsoid
-from dem.ellipsoid_packing import random_ellipsoids
+from dem.ellipsoid_packing import half_axes, random_ellipsoids
 
 CASE = """
 [materials.nmc]
@@ -101,7 +100,7 @@ def test_law_of_ellipsoids_is_that_of_their_material(tmp_path: Path) -> None:
         assert scene.needs == (packing.id,)
         assert [task.kind for task in tasks if task.kind == "fits"] == []
         assert isinstance(contact_of(None, scene.values).normal, law)
-        axes = half_axes(packing.values)
+        axes = half_axes(packing.values["shape"], packing.values["radius"])
         assert axes.prod() == pytest.approx(5e-6**3, rel=1e-14)
         assert axes / axes[0] == pytest.approx([1.0, 0.8, 0.66], rel=1e-14)
 
@@ -115,7 +114,7 @@ def test_a_scene_file_of_ellipsoids_runs(tmp_path: Path) -> None:
     assert law is None
     records = run_tasks("bed", tmp_path / "bed.toml", scene_plan("bed", asked, law), tmp_path / "out", jobs=1)
     found = history.read(tmp_path / "out" / records["scenes.bed"].files["history"])
-    packing = random_ellipsoids(12, 0.6, half_axes({"radius": 5e-6, "shape": (1.0, 0.8, 0.66)}), seed=1)
+    packing = random_ellipsoids(12, 0.6, half_axes((1.0, 0.8, 0.66), 5e-6), seed=1)
     contact = dem.Contact(HertzEllipse(Material(142e9, 0.25).reduced_modulus))
     programme = dem.uniaxial_compression(0.1, strain_rate=1e5)
     expected = dem.run(dem.Scene(packing.particles(4750.0), packing.box, contact, programme, time_step_fraction=0.4))

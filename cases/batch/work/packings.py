@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cases.batch.task import Task
 from cases.batch.work.place import Made, Outcome, Report, place, relative
 from contactlaws.files import write_atomically
-from dem.ellipsoid_packing import random_ellipsoids
+from dem.ellipsoid_packing import half_axes, random_ellipsoids
 from dem.packing import random_close_packing
 
 
@@ -40,13 +39,7 @@ def _spheres(values: Mapping[str, Any], report: Report) -> tuple[dict[str, Any],
 
 def _ellipsoids(values: Mapping[str, Any], report: Report) -> tuple[dict[str, Any], dict[str, Any]]:
     report(0.0, "pressing ellipsoids together")
-    packing = random_ellipsoids(values["count"], values["packing_fraction"], half_axes(values), values["seed"])
+    packing = random_ellipsoids(values["count"], values["packing_fraction"], half_axes(values["shape"], values["radius"]), values["seed"])
     arrays = {"position": packing.position, "axes": packing.axes, "orientation": packing.orientation, "lengths": packing.box.lengths}
     summary = {"packing_fraction": packing.packing_fraction, "worst_overlap": packing.worst_overlap, "steps": packing.steps}
     return arrays | {"packing_fraction": packing.packing_fraction}, summary
-
-
-def half_axes(values: Mapping[str, Any]) -> npt.NDArray[np.float64]:
-    """Of ellipsoids in m, of the volume of a sphere of the radius."""
-    shape = np.array(values["shape"])
-    return np.asarray(values["radius"] * shape / np.cbrt(shape.prod()))
