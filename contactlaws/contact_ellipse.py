@@ -12,9 +12,11 @@ In this form nothing cancels where the ellipse is nearly a circle, and a circle 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
@@ -28,6 +30,8 @@ SECOND = (-2.0 / 9.0, 0.2922283, -0.07512299, -1.649346, 0.6529754)
 AXES = (2.0 / 3.0, 0.04216186, 0.0004209211, 0.06787015, 0.0007540586)
 #: up to which curvature ratio these hold
 FAST_UP_TO = 100.0
+#: largest ratio of half axes, with room for round-off: no ratio of curvatures on an ellipsoid is larger than its square
+MOST_SLENDER = math.sqrt(FAST_UP_TO) * (1.0 + 1e-12)
 
 
 class Factors(NamedTuple):
@@ -36,6 +40,15 @@ class Factors(NamedTuple):
     mean_radius: float  # f1
     approach: float  # f2
     axes: float  # b/a, at most 1
+
+
+def slender_problems(name: str, half_axes: npt.ArrayLike) -> Iterator[Problem]:
+    """Yield a `Problem` if one of these ellipsoids is too slender for `fast_factors`; positive, in any unit, shape (3,) or (n, 3)."""
+    half = np.asarray(half_axes, dtype=float)
+    slender = float((half.max(axis=-1) / half.min(axis=-1)).max(initial=1.0))
+    if slender > MOST_SLENDER:
+        bound = f"is the largest ratio of half axes; contacts are known up to {MOST_SLENDER:g}"
+        yield Problem(name, slender, bound, "take less slender bodies")
 
 
 def _of_axes(k: float) -> tuple[float, float, float]:

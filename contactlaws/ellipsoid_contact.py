@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from contactlaws import shaped
-from contactlaws.contact_ellipse import FAST_UP_TO, exact_factors
+from contactlaws.contact_ellipse import exact_factors, slender_problems
 from contactlaws.ellipsoid import FloatArray, curvature, gap
 from contactlaws.errors import Problem, require
 from contactlaws.hertz_ellipse import HertzEllipse
@@ -103,11 +103,6 @@ def _mean(axes: Axes) -> float:
 
 
 def _problems(axes: Axes, name: str = "axes") -> list[Problem]:
-    """No ratio of curvatures is larger than the square of that of the semi-axes."""
     if len(axes) != 3 or not all(math.isfinite(axis) and axis > 0.0 for axis in axes):
         return [Problem(name, axes, "must be three positive lengths", "give the semi-axes in m, that of the load first")]
-    slender, most = max(axes) / min(axes), math.sqrt(FAST_UP_TO)
-    if slender > most * (1.0 + 1e-12):
-        bound = f"{slender:.4g} is the largest ratio of semi-axes; contacts are known up to {most:g}"
-        return [Problem(name, axes, bound, "take a less slender body")]
-    return []
+    return list(slender_problems(name, axes))

@@ -9,13 +9,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from contactlaws.contact_ellipse import slender_problems
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.hertz_ellipse import HertzEllipse
 from dem.box import Box, wrapped
 from dem.measure import largest_overlap
 from dem.motion import Deformation
 from dem.packing import problems_with_radii, random_close_packing
-from dem.particles import MOST_SLENDER, Particles, ellipsoids
+from dem.particles import Particles, ellipsoids
 from dem.scene import Contact, Scene, hold
 from dem.timestep import scene_time_step
 from dem.working import Working, follow, working
@@ -135,10 +136,6 @@ def _problems(count: int, packing_fraction: float, axes: npt.ArrayLike) -> Itera
         yield Problem("axes", half.shape, f"must be positive, finite, and have the shape (3,) or ({count}, 3)", "give half axes in m")
         return
     yield from problems_with_radii(count, half.max(axis=-1))
-    slender = float((half.max(axis=-1) / half.min(axis=-1)).max())
-    if slender > MOST_SLENDER:
-        yield Problem(
-            "axes", slender, f"is the largest ratio of half axes; contacts are known up to {MOST_SLENDER:g}", "take less slender ones"
-        )
+    yield from slender_problems("axes", half)
     if not 0.0 < packing_fraction <= DENSEST:
         yield Problem("packing_fraction", packing_fraction, f"random packings lie in (0, {DENSEST}]", "denser ones are crystals")

@@ -9,12 +9,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from contactlaws.contact_ellipse import slender_problems
 from contactlaws.errors import Problem, require
 
 FloatArray = npt.NDArray[np.float64]
-
-#: largest ratio of half axes: its square, the ratio of curvatures, is as far as `contactlaws.contact_ellipse.fast_factors` goes
-MOST_SLENDER = 10.0 * (1.0 + 1e-12)
 
 
 class Particles(NamedTuple):
@@ -118,9 +116,8 @@ def problems_with_shapes(particles: Particles) -> Iterator[Problem]:
         return
     if axes.shape != (count, 3) or not (np.isfinite(axes) & (axes > 0.0)).all():
         yield Problem("axes", axes.shape, f"must be positive, finite, and have the shape ({count}, 3)", "give half axes in m")
-    elif count and (slimmest := float((axes.max(axis=1) / axes.min(axis=1)).max())) > MOST_SLENDER:
-        bound = f"is the largest ratio of half axes; contacts are known up to {MOST_SLENDER:g}"
-        yield Problem("axes", slimmest, bound, "make the particles less slender")
+    else:
+        yield from slender_problems("axes", axes)
     if turned.shape != (count, 4) or not (abs(np.linalg.norm(turned, axis=1) - 1.0) < 1e-6).all():
         yield Problem("orientation", turned.shape, f"must be unit quaternions of the shape ({count}, 4)", "use dem.ellipsoids")
 

@@ -97,17 +97,16 @@ def _identity(curve: str, fit: FitTable, case: Case, folder: Path) -> str:
 
 def density_problems(name: str, scene: Scene) -> Iterator[Problem]:
     """A packing fraction that no random packing has, and half axes that no law is for."""
+    from contactlaws.contact_ellipse import slender_problems
     from dem.ellipsoid_packing import DENSEST
     from dem.packing import DENSEST_RANDOM
-    from dem.particles import MOST_SLENDER
 
     most, kind, enough = (DENSEST_RANDOM, "equal spheres", 0.64) if scene.shape is None else (DENSEST, "ellipsoids", 0.7)
     if scene.packing_fraction > most:
         remedy = f"ask for {enough} or less, and reach more by compressing it"
         yield Problem(name, scene.packing_fraction, f"no random packing of {kind} is denser than {most}", remedy)
-    if scene.shape is not None and max(scene.shape) > MOST_SLENDER * min(scene.shape):
-        place = name.replace("packing_fraction", "shape")
-        yield Problem(place, max(scene.shape) / min(scene.shape), f"contacts are known up to {MOST_SLENDER:g}", "take less slender ones")
+    if scene.shape is not None:
+        yield from slender_problems(name.replace("packing_fraction", "shape"), scene.shape)
 
 
 def _reference(
