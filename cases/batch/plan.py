@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -81,27 +81,29 @@ def _constants(case: Case, material: str, elastic: bool) -> Mapping[str, Any]:
 
 
 def _fit(name: str, table: FitTable, case: Case, folder: Path) -> Task:
-    needs = tuple(f"curves.{curve}" for curve in table.curves if not is_file(curve))
-    given = tuple(str(folder / curve) for curve in table.curves if is_file(curve))
     material = None if table.material is None else case.materials[table.material].record()._asdict()
-    return Task("fits", name, {"law": table.law, "radius": table.radius, "material": material}, needs, given)
+    return Task("fits", name, {"law": table.law, "radius": table.radius, "material": material}, *_made_from("curves", table.curves, folder))
 
 
 def _cheapest(name: str, table: SceneTable, folder: Path) -> Task:
     """The fit of the cheapest law that is good enough for a scene, up to the overlaps that it can reach."""
-    needs = tuple(f"curves.{curve}" for curve in table.curves if not is_file(curve))
-    given = tuple(str(folder / curve) for curve in table.curves if is_file(curve))
     values = {"tolerance": table.tolerance, "reach": REACH * table.strain, "radius": None, "material": None}
-    return Task("fits", f"{name}-law", values, needs, given)
+    return Task("fits", _law_for(name), values, *_made_from("curves", table.curves, folder))
 
 
-def _made_from(fit: str, folder: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The tasks and the files of the user that a law comes from."""
-    return ((), (str(folder / fit),)) if is_file(fit) else ((f"fits.{fit}",), ())
+def _law_for(scene: str) -> str:
+    """The name of the fit that is made for a scene with a tolerance."""
+    return f"{scene}-law"
+
+
+def _made_from(kind: str, names: Sequence[str], folder: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The tasks of a kind, and the files of the user, that something is made from."""
+    needs = tuple(f"{kind}.{name}" for name in names if not is_file(name))
+    return needs, tuple(str(folder / name) for name in names if is_file(name))
 
 
 def _impact(name: str, table: ImpactTable, folder: Path) -> Task:
-    return Task("impacts", name, table.model_dump(mode="json", exclude={"fit"}), *_made_from(table.fit, folder))
+    return Task("impacts", name, table.model_dump(mode="json", exclude={"fit"}), *_made_from("fits", (table.fit,), folder))
 
 
 def _packing(table: Scene) -> Task:
@@ -110,8 +112,7 @@ def _packing(table: Scene) -> Task:
 
 
 def _scene(name: str, table: SceneTable, folder: Path) -> Task:
-    fits, files = ((), ()) if table.fit is None else _made_from(table.fit, folder)
-    if table.tolerance is not None:
-        fits = (f"fits.{name}-law",)
+    law = table.fit if table.tolerance is None else _law_for(name)
+    fits, files = _made_from("fits", () if law is None else (law,), folder)
     values = table.model_dump(mode="json", exclude={"fit", "tolerance", "curves", "count", "packing_fraction", "seed"})
     return Task("scenes", name, values, (*fits, _packing(table).id), files)
