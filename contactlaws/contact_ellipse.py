@@ -90,7 +90,7 @@ def fast_mean_factors(ratio):  # type: ignore[no-untyped-def]
 
 @inlined
 def fast_factors(ratio):  # type: ignore[no-untyped-def]
-    """f1, f2 and b/a within 5e-6 of `exact_factors` for ratios from .01 to 100, and right to second order around a circle."""
+    """f1, f2 and b/a within 4e-6 of `exact_factors` for ratios from .01 to 100, and right to second order around a circle."""
     mean_radius, approach = fast_mean_factors(ratio)
     x = math.log(ratio)
     y = x * x

@@ -58,8 +58,8 @@ def test_spheres_are_the_exact_limit() -> None:
 def test_the_fast_form_is_within_a_few_millionths(ratio: float) -> None:
     """Its fit's own error; five parts in ten thousand were aimed at. The axes may be exchanged."""
     exact = tuple(exact_factors(ratio))
-    np.testing.assert_allclose(fast_factors(ratio), exact, rtol=5e-6)
-    np.testing.assert_allclose(fast_factors(1.0 / ratio), exact, rtol=5e-6)
+    np.testing.assert_allclose(fast_factors(ratio), exact, rtol=4e-6)
+    np.testing.assert_allclose(fast_factors(1.0 / ratio), exact, rtol=4e-6)
 
 
 def test_hale_is_off_by_what_was_found() -> None:
