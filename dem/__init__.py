@@ -1,4 +1,4 @@
-"""The discrete element method, small but right: scenes of spheres on the laws of `contactlaws`."""
+"""The discrete element method, small but right: scenes of spheres or ellipsoids on the laws of `contactlaws`."""
 
 from dem import impact, output, packing
 from dem.box import Box

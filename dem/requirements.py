@@ -81,12 +81,12 @@ def _search_problems(settings: QuasiStatic) -> Iterator[Problem]:
 
 
 def _wall_problems(scene: Scene) -> Iterator[Problem]:
-    """Spheres whose centres lie in a wall or beyond it."""
+    """Particles whose centres lie in a wall or beyond it."""
     bodies = scene.particles
     for name, wall, length, place in zip("xyz", scene.walls, scene.box.lengths, bodies.position.T, strict=True):
         outside = np.flatnonzero(~((place > 0.0) & (place < length)))
         if wall and len(outside):
-            bound = f"sphere {int(bodies.id[outside[0]])} lies beyond the walls at 0 and {length:g} m"
+            bound = f"particle {int(bodies.id[outside[0]])} lies beyond the walls at 0 and {length:g} m"
             yield Problem(f"position {name}", float(place[outside[0]]), bound, "move it into the box, or make the box larger")
 
 
@@ -187,7 +187,7 @@ def overlap_problems(scene: Scene, overlap: float) -> Iterator[Problem]:
     """What is wrong with a start at this overlap (m, of a pair)."""
     smallest = float(np.min(scene.particles.radii, initial=math.inf))
     if not overlap <= smallest:
-        bound = f"spheres lie deeper in each other than the smallest radius, {smallest:.4g} m"
+        bound = f"particles lie deeper in each other than the smallest (mean) radius, {smallest:.4g} m"
         yield Problem("overlap at the start", overlap, bound, "pack them first")
 
 
@@ -305,7 +305,7 @@ def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
     if scene.density_scaling != 1.0:
         lines.append(
             f"density scaling: all masses times {scene.density_scaling:g}, time steps times {math.sqrt(scene.density_scaling):.3g}; "
-            f"inertial numbers are those of the heavier spheres, and a quasi-static answer asks for at most {QUASI_STATIC:g}"
+            f"inertial numbers are those of the heavier particles, and a quasi-static answer asks for at most {QUASI_STATIC:g}"
         )
     for number, (change, duration, drag) in enumerate(zip(changes(scene), durations, drags(scene), strict=True)):
         if change == 0.0 or not scene.particles.size:

@@ -128,10 +128,10 @@ def reason_to_stop(work: Working, number: int, dt: float) -> str | None:
         return f"the motion diverged before output {number}: take a smaller time_step_fraction (the step is {dt:.3g} s)"
     for axis, side, place, _ in work.walls.tolist():
         if bool(np.any(side * (work.bodies.position[:, int(axis)] - place) <= 0.0)):
-            return f"before output {number} a sphere went through a wall: load less, or slower, or take a smaller time_step_fraction"
+            return f"before output {number} a particle went through a wall: load less, or slower, or take a smaller time_step_fraction"
     deepest = float(work.tally[:, LARGEST].max())
     if deepest >= 1.0:
-        return f"before output {number} a sphere was pressed by {deepest:.3g} of its radius, where the body ends: load less, or slower"
+        return f"before output {number} a particle was pressed by {deepest:.3g} of its radius, where the body ends: load less, or slower"
     return None
 
 

@@ -135,11 +135,11 @@ def _late_warnings(scene: Scene, column: dict[str, FloatArray], summary: dict[st
     limits = [contact.fitted_overlap for contact in scene.contacts]
     if beyond:
         most, worst = int(column["contacts beyond"].max()), max(beyond, key=lambda contact: contact.depth)
-        where = "a wall" if worst.second is None else f"sphere {worst.second}"
+        where = "a wall" if worst.second is None else f"particle {worst.second}"
         x, y, z = worst.position
         yield (
             f"overlap left the range the law was fitted for: up to {most} contacts at an output, largest D = {worst.depth:.4g} between "
-            f"sphere {worst.first} at ({x:.4g}, {y:.4g}, {z:.4g}) m and {where} at output {worst.output}"
+            f"particle {worst.first} at ({x:.4g}, {y:.4g}, {z:.4g}) m and {where} at output {worst.output}"
         )
     elif None not in limits and deepest > max(limit or 0.0 for limit in limits):
         yield f"overlap left the range the law was fitted for between outputs: largest D = {deepest:.4g}; ask for more outputs to see where"
