@@ -12,7 +12,6 @@ Exit code 1 if a row is not as expected.
 
 from __future__ import annotations
 
-import argparse
 import os
 import random
 import signal
@@ -23,7 +22,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from cases.slurm import Request, write_scripts
-from cases.verification import solver_runs
+from cases.verification import rows, solver_runs
 from cases.verification.batch_fault_judge import Expected, Verdict, judged
 from cases.verification.dask_processes import DaskProcesses, alive, until
 
@@ -240,16 +239,12 @@ def row(name: str, folder: Path) -> Verdict:
 
 def main(arguments: list[str] | None = None) -> int:
     """Do the rows asked for, or all; 0, or 1 if one is not as expected."""
-    parser = argparse.ArgumentParser(prog="python -m cases.verification.batch_faults", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("row", nargs="*", metavar="ROW", help=f"of {', '.join(ROWS)}; all if none is named")
+    parser = rows.parser_of("batch_faults", __doc__, ROWS)
     parser.add_argument("--out", type=Path, help="folder in which everything is left; a temporary one if left out")
-    given = parser.parse_args(arguments)
-    unknown = [name for name in given.row if name not in ROWS]
-    if unknown:
-        parser.error(f"no row is named {', '.join(unknown)}: choose from {', '.join(ROWS)}")
+    given = rows.asked(parser, ROWS, arguments)
     with tempfile.TemporaryDirectory() as temporary:
         verdicts = []
-        for name in dict.fromkeys([FIRST, *(given.row or ROWS)]):
+        for name in dict.fromkeys([FIRST, *given.row]):
             verdicts.append(row(name, given.out or Path(temporary)))
             print(verdicts[-1].sentence(), flush=True)
     wrong = [verdict.row for verdict in verdicts if not verdict.sound]

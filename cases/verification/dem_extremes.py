@@ -10,11 +10,11 @@ Exit code 1 if a trial misses its bound, gives NaN, or stops without saying why.
 
 from __future__ import annotations
 
-import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from cases.verification import rows
 from cases.verification.dem_extreme_scenes import BODIES, BOXES, MOTION
 from cases.verification.dem_extreme_steps import STEPS
 from cases.verification.dem_extreme_trial import Trial
@@ -25,10 +25,10 @@ ROWS: dict[str, Callable[[], list[Trial]]] = {**STEPS, **BODIES, **MOTION, **BOX
 HEADER = ("row", "what was done", "measured", "bound", "verdict")
 
 
-def trials(row: str) -> list[Trial]:
+def trials(row: Callable[[], list[Trial]]) -> list[Trial]:
     """Of a row; a crash is one that failed."""
     try:
-        return ROWS[row]()
+        return row()
     except Exception as crash:  # what a table of extremes is there to find
         return [Trial("all of it", repr(crash), "no crash", False, "CRASH")]
 
@@ -51,26 +51,26 @@ def summary(table: list[tuple[str, Trial]]) -> str:
     return f"{len(table)} trials, {len(missed)} beyond a bound{': ' if missed else ''}{'; '.join(missed)}."
 
 
+def run(chosen: Mapping[str, Callable[[], list[Trial]]], out: Path | None) -> int:
+    """Print each trial as it comes, and write table.md if there is a folder for it; 0, or 1 if a trial is not as it should be."""
+    table: list[tuple[str, Trial]] = []
+    for name, row in chosen.items():
+        for trial in trials(row):
+            table.append((name, trial))
+            print(f"{'' if trial.sound else 'BEYOND ITS BOUND: '}{'; '.join(cells(name, trial))}", flush=True)
+    print(summary(table))
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        write_text(out / "table.md", markdown(table))
+    return 0 if all(trial.sound for _, trial in table) else 1
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the rows asked for, or all; 0, or 1 if one is not as it should be."""
-    description = (__doc__ or "").splitlines()[0]
-    parser = argparse.ArgumentParser(prog="python -m cases.verification.dem_extremes", description=description)
-    parser.add_argument("row", nargs="*", metavar="ROW", help=f"of {', '.join(ROWS)}; all if none is named")
+    parser = rows.parser_of("dem_extremes", __doc__, ROWS)
     parser.add_argument("--out", type=Path, help="folder for table.md; none if left out")
-    given = parser.parse_args(arguments)
-    unknown = [row for row in given.row if row not in ROWS]
-    if unknown:
-        parser.error(f"no row is named {', '.join(unknown)}: choose from {', '.join(ROWS)}")
-    table: list[tuple[str, Trial]] = []
-    for row in given.row or ROWS:
-        for trial in trials(row):
-            table.append((row, trial))
-            print(f"{'' if trial.sound else 'BEYOND ITS BOUND: '}{'; '.join(cells(row, trial))}", flush=True)
-    print(summary(table))
-    if given.out is not None:
-        given.out.mkdir(parents=True, exist_ok=True)
-        write_text(given.out / "table.md", markdown(table))
-    return 0 if all(trial.sound for _, trial in table) else 1
+    given = rows.asked(parser, ROWS, arguments)
+    return run({name: ROWS[name] for name in given.row}, given.out)
 
 
 if __name__ == "__main__":

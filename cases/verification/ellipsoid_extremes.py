@@ -10,21 +10,21 @@ Exit code 1 if a trial misses its bound, gives NaN, or stops without saying why.
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 import dem
+from cases.verification import rows
 from cases.verification.dem_extreme_trial import DENSITY, MATERIAL, RADIUS, Trial, judged, refused
-from cases.verification.dem_extremes import markdown, summary
+from cases.verification.dem_extremes import run
 from contactlaws.compiled import kernel
 from contactlaws.ellipsoid_gap import closest, meeting, surface_tensor
-from contactlaws.files import write_text
 from contactlaws.hertz_ellipse import HertzEllipse
 from dem.ellipsoid_packing import half_axes, random_ellipsoids, random_turns
 from dem.measure import energies
@@ -298,29 +298,11 @@ ROWS: dict[str, Callable[[int], list[Trial]]] = {
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the rows asked for, or all; 0, or 1 if one is not as it should be."""
-    description = (__doc__ or "").splitlines()[0]
-    parser = argparse.ArgumentParser(prog="python -m cases.verification.ellipsoid_extremes", description=description)
-    parser.add_argument("row", nargs="*", metavar="ROW", help=f"of {', '.join(ROWS)}; all if none is named")
+    parser = rows.parser_of("ellipsoid_extremes", __doc__, ROWS)
     parser.add_argument("--pairs", type=int, default=100_000, help="random pairs of the first row")
     parser.add_argument("--out", type=Path, help="folder for table.md; none if left out")
-    given = parser.parse_args(arguments)
-    unknown = set(given.row) - set(ROWS)
-    if unknown:
-        parser.error(f"no row {', '.join(sorted(unknown))}; there are {', '.join(ROWS)}")
-    table = []
-    for row in given.row or ROWS:
-        try:
-            found = ROWS[row](given.pairs)
-        except Exception as crash:  # what a table of extremes is there to find
-            found = [Trial("all of it", repr(crash), "no crash", False, "CRASH")]
-        for trial in found:
-            table.append((row, trial))
-            print(f"{row}: {trial.done}: {trial.measured} (bound {trial.bound}): {trial.verdict}", flush=True)
-    print(summary(table))
-    if given.out:
-        given.out.mkdir(parents=True, exist_ok=True)
-        write_text(given.out / "table.md", markdown(table))
-    return 0 if all(trial.sound for _, trial in table) else 1
+    given = rows.asked(parser, ROWS, arguments)
+    return run({name: partial(ROWS[name], given.pairs) for name in given.row}, given.out)
 
 
 if __name__ == "__main__":
