@@ -19,8 +19,8 @@ from contactlaws.version import code_version
 
 #: rows of the loading, and of each unloading
 ROWS = 100
-#: overlaps over the mean radius to which the law is fitted, and shapes
-DEEPEST, FLATTEST = 0.2, (0.5, 2.0)
+#: overlap over the mean radius to which the law is fitted
+DEEPEST = 0.2
 
 
 class EllipsoidOptions(MaterialTable):
@@ -43,6 +43,7 @@ def ellipsoid(options: Mapping[str, Any], elastic: bool, out: Path | None) -> No
         problems.append(Problem("unload_from", max(body.unload_from), f"the law is fitted up to {DEEPEST}", "ask for less"))
     if body is None or out is None or problems:
         raise InputError(_in_words(problems))
+    from contactlaws import shaped
     from contactlaws.ellipsoid_contact import of_pair, on_flat  # not above: kernels take seconds to load
 
     material = body.record(elastic)
@@ -65,10 +66,12 @@ def ellipsoid(options: Mapping[str, Any], elastic: bool, out: Path | None) -> No
     np.savetxt(text, np.vstack(rows), delimiter=",", fmt=("%d", "%.9g", "%.9g", "%.9g", "%.9g"), comments="", header=_header(body, elastic))
     write_text(out, text.getvalue())
     console.out.print(table)
-    shape = (contact.shape[0] / contact.shape[2]) ** 0.75
-    if not FLATTEST[0] * 0.999 <= shape <= FLATTEST[1] * 1.001:
-        bound = "the law is fitted from 1 : .5 to 1 : 2, and takes the nearest"
-        console.out.print(f"its contact is that of a spheroid 1 : {shape:.3g}; {bound}")
+    law, blunt = shaped.shaped_law_of(contact.law), contact.shape[0] / contact.shape[2]
+    if law.fitted is not None and shaped.beyond_fit(law, blunt, blunt):
+        found, sharpest, bluntest = (f"1 : {shaped.flatness(value):.3g}" for value in (blunt, *law.fitted))
+        console.out.print(
+            f"its contact is that of a spheroid {found}; the law is fitted from {sharpest} to {bluntest}, and takes the nearest"
+        )
     console.out.print(f"written: {out}")
 
 

@@ -80,6 +80,22 @@ def curvature(axes: tuple[float, float, float], point: npt.ArrayLike) -> Curvatu
     return Curvature(normal, tensor, *_principal(tensor, normal))
 
 
+def bluntness(half_axes: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Least and largest effective radius over mean radius, as in `contactlaws.shaped`, of any contacts of ellipsoids: shape (n,) each.
+
+    half_axes: in m, shape (n, 3). On a flat the ratio is 1/sqrt(K) over the mean radius, largest at the end of the shortest axis; bodies
+    that meet crossed come down to one over the mean curvature, least at the end of the longest. Between two bodies it lies within both.
+
+    >>> least, largest = bluntness([(1.0, 1.0, 1.0), (1.0, 2.0, 2.0)])
+    >>> least.round(3), largest.round(3)
+    (array([1.   , 0.504]), array([1.  , 2.52]))
+    """
+    axes = np.asarray(half_axes, dtype=float)
+    mean, short, long = np.cbrt(axes.prod(axis=1)), axes.min(axis=1), axes.max(axis=1)
+    mean_curvature = 0.5 * long * ((axes**-2.0).sum(axis=1) - long**-2.0)
+    return 1.0 / (mean * mean_curvature), (mean / short) ** 2
+
+
 def gap(one: FloatArray, other: FloatArray, normal: FloatArray) -> Gap:
     """Of two surfaces by their curvature tensors (1/m) in one frame, at a point with the common `normal`; a flat's is zero.
 

@@ -21,9 +21,12 @@ each a body on a flat at half the overlap; of spheres, radius and mean radius ar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
+import numpy as np
+import numpy.typing as npt
 from numba import types
 from numba.extending import overload
 from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -38,6 +41,8 @@ TOLERANCE = 0.01
 ROLLED = ("reference radius", "reference ratio", "factor", "largest overlap")
 #: a contact never touched
 UNTOUCHED = (0.0, 0.0, 0.0, 0.0)
+#: of bodies at the border of those that a law was fitted to
+ROUND_OFF = 1e-9
 #: how often a largest overlap is doubled, and then halved to round-off, until a dent is as deep as it has to be
 DOUBLINGS, HALVINGS = 30, 52
 
@@ -55,6 +60,8 @@ class ShapedLaw(NamedTuple):
     source: str  # paper and equations, as corrected
     #: what makes a record unusable, asked before a kernel sees it
     problems: Callable[[Any], Iterable[Problem]] = lambda law: ()
+    #: radius over mean radius (of `shape`) of the bodies that it was fitted to, from and to: others count as the nearest. None: of any
+    fitted: tuple[float, float] | None = None
 
 
 _LAWS: dict[type, ShapedLaw] = {}
@@ -84,6 +91,21 @@ def shaped_law_of(record: object) -> ShapedLaw:
         names = ", ".join(shaped_laws()) or "none yet"
         raise InputError(Problem("law", type(record).__name__, f"is no law for ellipsoids ({names})", "see contactlaws.hertz_ellipse"))
     return found
+
+
+def beyond_fit(law: ShapedLaw, least: npt.ArrayLike, largest: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Whether contacts with a radius over mean radius from `least` to `largest` are beyond those that a law was fitted to."""
+    low, high = law.fitted or (0.0, math.inf)
+    return (np.asarray(least) < low * (1.0 - ROUND_OFF)) | (np.asarray(largest) > high * (1.0 + ROUND_OFF))
+
+
+def flatness(blunt: float) -> float:
+    """b/a of the spheroid a : b : b that is as blunt at the end of a: `blunt` is its radius over mean radius there.
+
+    >>> round(flatness(2.0 ** (4.0 / 3.0)), 12)
+    2.0
+    """
+    return blunt**0.75
 
 
 # What follows is the same in Python and in compiled code, where numba picks the function from the record's type.

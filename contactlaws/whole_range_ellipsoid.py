@@ -25,6 +25,7 @@ from contactlaws.shaped import ShapedLaw, register
 from contactlaws.whole_range import whole_range
 from contactlaws.whole_range_record import WholeRange
 from contactlaws.whole_range_shape import (
+    BLUNTEST,
     constants_of,
     force_terms,
     local_geometry,
@@ -189,5 +190,6 @@ register(
         ("largest_overlap", "largest_load", "recovered_depth", "elastic_share", "power", "power_slope"),
         "fitted to this project's finite-element curves of spheroids; spheres: contactlaws.whole_range",
         _problems,
+        (1.0 / BLUNTEST, BLUNTEST),
     )
 )

@@ -9,6 +9,7 @@ import numba
 import numpy as np
 
 from contactlaws import shaped
+from contactlaws.ellipsoid import bluntness
 from contactlaws.errors import InputError, Problem
 from contactlaws.tangential import Damper, Mindlin, Rolling
 from dem import box as boxes
@@ -316,6 +317,24 @@ def motion_notes(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:
             line += f"; non-affine velocities fade at {drag:.3g} 1/s, which carries some {drag * rate * slowness**2:.1g} of the pressure"
         lines.append(line)
     return tuple(lines)
+
+
+def shape_warnings(scene: Scene) -> tuple[str, ...]:
+    """Ellipsoids sharper or blunter than those that a law was fitted to."""
+    axes = scene.particles.axes
+    if axes is None:
+        return ()
+    lines, ends = [], bluntness(axes)
+    for contact in scene.contacts:
+        law = shaped.shaped_law_of(contact.normal)
+        beyond = int(np.count_nonzero(shaped.beyond_fit(law, *ends)))
+        if law.fitted is not None and beyond:
+            sharpest, bluntest = (f"1 : {flat:.3g} : {flat:.3g}" for flat in map(shaped.flatness, law.fitted))
+            lines.append(
+                f"{beyond} of {len(axes)} ellipsoids can have contacts sharper or blunter than {law.name} was fitted to "
+                f"(spheroids from {sharpest} to {bluntest}, at the end of the first axis): these count as the nearest of those"
+            )
+    return tuple(dict.fromkeys(lines))
 
 
 def rate_warnings(scene: Scene, durations: tuple[float, ...]) -> tuple[str, ...]:

@@ -208,7 +208,8 @@ def prepare(scene: Scene, work: Working, replaced: tuple[str, ...] = ()) -> Plan
     notes = (*replaced, *requirements.left_out(scene, work), *requirements.motion_notes(scene, durations))
     if scene.quasi_static is None:
         notes = (*notes, step.note + ("; it follows the deepest contact from output to output" if scene.adaptive_step else ""))
-    return Plan(durations, requirements.drags(scene), frozenset(kept), step, notes, requirements.rate_warnings(scene, durations))
+    warnings = (*requirements.shape_warnings(scene), *requirements.rate_warnings(scene, durations))
+    return Plan(durations, requirements.drags(scene), frozenset(kept), step, notes, warnings)
 
 
 def _time_step(scene: Scene, work: Working, durations: tuple[float, ...]) -> TimeStep:

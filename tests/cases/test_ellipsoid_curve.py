@@ -42,3 +42,11 @@ def test_what_cannot_be_is_refused_before_anything_is_written(wrong, said, tmp_p
     assert execute(["ellipsoid", *NMC, *wrong, "--out", str(out)]) == 2
     assert said in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_a_body_blunter_than_the_law_was_fitted_to_is_told(tmp_path, capsys):
+    """Hertz's law, of a body that does not yield, is for any."""
+    flat = ["--axes", "2 um", "5 um", "5 um", "--out", str(tmp_path / "curve.csv")]
+    for options, told in ((NMC, True), ([*NMC[:4], "--elastic"], False)):
+        assert execute(["ellipsoid", *options, *flat]) == 0
+        assert ("spheroid 1 : 2.5; the law is fitted from 1 : 0.5 to 1 : 2" in " ".join(capsys.readouterr().out.split())) == told

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from contactlaws.ellipsoid import curvature, gap, tangent_basis
+from contactlaws.ellipsoid import bluntness, curvature, gap, tangent_basis
 from contactlaws.errors import InputError
 
 lengths = st.floats(0.1, 10.0)
@@ -109,3 +109,29 @@ def test_the_basis_of_a_tangent_plane(ray: tuple[float, float, float]) -> None:
 def test_no_ellipsoid_or_no_point(axes: tuple[float, float, float], point: tuple[float, float, float]) -> None:
     with pytest.raises(InputError, match="axes"):
         curvature(axes, point)
+
+
+@given(bodies, rays, bodies, rays, st.floats(0.0, math.pi))
+def test_no_contact_is_sharper_or_blunter_than_the_ends_of_the_axes(
+    first: tuple[float, float, float],
+    ray_1: tuple[float, float, float],
+    other: tuple[float, float, float],
+    ray_2: tuple[float, float, float],
+    angle: float,
+) -> None:
+    """Of any two points of two bodies of any size, turned by any angle about their normal: effective over mean radius."""
+    tensors, means = [], []
+    for axes, ray, turned in ((first, ray_1, 0.0), (other, ray_2, angle)):
+        found = curvature(axes, on_surface(axes, ray))
+        c, s = math.cos(turned), math.sin(turned)
+        turn = np.array([[c, -s], [s, c]])
+        tensors.append(np.pad(turn @ np.diag(found.principal) @ turn.T, ((0, 1), (0, 1))))
+        means.append(math.cbrt(math.prod(axes)))
+    flat = np.zeros((3, 3))
+    least, largest = bluntness([first, other])
+    for one, two, mean, low, high in (
+        (tensors[0], flat, means[0], least[0], largest[0]),
+        (tensors[0], tensors[1], means[0] * means[1] / (means[0] + means[1]), least.min(), largest.max()),
+    ):
+        ratio = gap(one, two, np.array([0.0, 0.0, 1.0])).effective_radius / mean
+        assert low * (1.0 - 1e-9) <= ratio <= high * (1.0 + 1e-9)

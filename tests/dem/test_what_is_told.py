@@ -11,12 +11,17 @@ import pytest
 import dem
 from contactlaws.elastic import Hertz
 from contactlaws.errors import InputError
+from contactlaws.hertz_ellipse import HertzEllipse
+from contactlaws.material import Material
 from contactlaws.maxwell_zener import maxwell_zener
 from contactlaws.prony import Relaxation
+from contactlaws.whole_range_ellipsoid import whole_range_ellipsoid
 from dem.packing import Packing, face_centred_cubic
 from dem.probes import moduli
 from dem.scene import QuasiStatic
 from tests.dem.scenes import DENSITY, RADIUS
+
+NMC = Material(142e9, 0.25, 7.9e9)
 
 
 def scene(hertz: Hertz, *programme: dem.Stage, **settings: object) -> dem.Scene:
@@ -98,3 +103,20 @@ def test_moduli_after_a_run_whose_law_gave_way(tmp_path: Path) -> None:
     bodies, box = dem.spheres(lattice.position * 0.99, RADIUS, DENSITY), lattice.box.stretched((0.99,) * 3)
     expected = moduli(dem.Scene(bodies, box, dem.Contact(long_term), programme))
     np.testing.assert_allclose(moduli(made, checkpoint=path), expected, rtol=1e-6, atol=1e-6 * expected.max())
+
+
+@pytest.mark.parametrize(
+    ("axes", "law", "told"),
+    [
+        ((1.0, 0.8, 0.66), whole_range_ellipsoid(NMC), False),
+        ((1.0, 2.0, 2.0), whole_range_ellipsoid(NMC), False),
+        ((1.0, 2.1, 2.1), whole_range_ellipsoid(NMC), True),
+        ((3.0, 1.0, 1.0), whole_range_ellipsoid(NMC), True),
+        ((3.0, 1.0, 1.0), HertzEllipse(NMC.reduced_modulus), False),
+    ],
+)
+def test_ellipsoids_beyond_the_shapes_that_a_law_was_fitted_to_are_told(axes: tuple[float, float, float], law: object, told: bool) -> None:
+    """The whole-range law was fitted to spheroids from 1 : .5 : .5 to 1 : 2 : 2; Hertz's is for any."""
+    bodies = dem.ellipsoids([[20.0 * RADIUS] * 3, [10.0 * RADIUS] * 3], [axes * np.array(RADIUS), (RADIUS,) * 3], DENSITY)
+    run = dem.run(dem.Scene(bodies, dem.Box((40.0 * RADIUS,) * 3), dem.Contact(law), (dem.hold(1e-9),), outputs=1, frames=1))
+    assert any("1 of 2 ellipsoids" in text and "1 : 0.5 : 0.5 to 1 : 2 : 2" in text for text in run.warnings) == told
