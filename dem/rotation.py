@@ -95,26 +95,20 @@ def _splitting(half_turn):  # type: ignore[no-untyped-def]
     """The free top with small angles or any."""
 
     @inlined
+    def about(w, x, y, z, b, c, angle):  # type: ignore[no-untyped-def]
+        """Turn by an angle about the body's axis x: quaternion, and the momenta b and c along y and z. In turn, so about any axis."""
+        co, si = half_turn(angle)
+        cd, sd = co * co - si * si, 2.0 * co * si
+        return w * co - x * si, x * co + w * si, y * co + z * si, z * co - y * si, b * cd + c * sd, c * cd - b * sd
+
+    @inlined
     def freely(w, x, y, z, a, b, c, ia, ib, ic, dt):  # type: ignore[no-untyped-def]
         """Turn a free body for `dt` (s): quaternion, momentum in its own frame (a, b, c), inverse moments of inertia."""
-        co, si = half_turn(0.5 * dt * a * ia)
-        w, x, y, z = w * co - x * si, x * co + w * si, y * co + z * si, z * co - y * si
-        cd, sd = co * co - si * si, 2.0 * co * si
-        b, c = b * cd + c * sd, c * cd - b * sd
-        co, si = half_turn(0.5 * dt * b * ib)
-        w, x, y, z = w * co - y * si, x * co - z * si, y * co + w * si, z * co + x * si
-        cd, sd = co * co - si * si, 2.0 * co * si
-        c, a = c * cd + a * sd, a * cd - c * sd
-        co, si = half_turn(dt * c * ic)
-        w, x, y, z = w * co - z * si, x * co + y * si, y * co - x * si, z * co + w * si
-        cd, sd = co * co - si * si, 2.0 * co * si
-        a, b = a * cd + b * sd, b * cd - a * sd
-        co, si = half_turn(0.5 * dt * b * ib)
-        w, x, y, z = w * co - y * si, x * co - z * si, y * co + w * si, z * co + x * si
-        cd, sd = co * co - si * si, 2.0 * co * si
-        c, a = c * cd + a * sd, a * cd - c * sd
-        co, si = half_turn(0.5 * dt * a * ia)
-        w, x, y, z = w * co - x * si, x * co + w * si, y * co + z * si, z * co - y * si
+        w, x, y, z, b, c = about(w, x, y, z, b, c, 0.5 * dt * a * ia)
+        w, y, z, x, c, a = about(w, y, z, x, c, a, 0.5 * dt * b * ib)
+        w, z, x, y, a, b = about(w, z, x, y, a, b, dt * c * ic)
+        w, y, z, x, c, a = about(w, y, z, x, c, a, 0.5 * dt * b * ib)
+        w, x, y, z, _, _ = about(w, x, y, z, b, c, 0.5 * dt * a * ia)
         i = 1.5 - 0.5 * (w * w + x * x + y * y + z * z)  # 1/sqrt so near to 1
         return w * i, x * i, y * i, z * i
 
