@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from cases.benchmarks.lammps_input import Programs, Styles, run
+from cases.benchmarks.lammps_input import Programs, Styles, head, run
 from contactlaws.material import Material
 from dem.box import Box
 from dem.particles import spheres
@@ -53,14 +53,7 @@ def replay(programs: Programs, styles: Styles, radius: float, peak: float, arran
 
 def _lines(styles: Styles, radius: float, peak: float, steps: int) -> tuple[str, ...]:
     return (
-        "units si",
-        "atom_style sphere",
-        f"newton {styles.newton}",
-        "boundary p p p",
-        "comm_modify mode single vel yes",
-        "read_data data",
-        f"neighbor {0.5 * radius!r} bin",
-        styles.pair,
+        *head(styles, 0.5 * radius),
         "timestep 1.0",
         "variable now equal step",
         f"variable change equal {-2.0 * ROW * peak!r}*(1-abs(v_now-{steps})/{steps})",

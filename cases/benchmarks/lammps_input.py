@@ -119,9 +119,9 @@ def data_file(particles: Particles, box: Box) -> str:
     return "\n".join(lines) + "\n"
 
 
-def script(styles: Styles, skin: float, dt: float, steps: int, dumped: bool) -> str:
-    """The input: `steps` steps of velocity Verlet; with `dumped`, the states and the log of steps 1, 10, 100 and so on."""
-    lines = [
+def head(styles: Styles, skin: float) -> tuple[str, ...]:
+    """The input up to the pair style: the spheres of the data file in a periodic box, pairs listed with this skin (m)."""
+    return (
         "units si",
         "atom_style sphere",
         f"newton {styles.newton}",
@@ -130,9 +130,12 @@ def script(styles: Styles, skin: float, dt: float, steps: int, dumped: bool) -> 
         "read_data data",
         f"neighbor {skin!r} bin",
         styles.pair,
-        f"timestep {dt!r}",
-        f"fix motion all {'nve/sphere' if styles.turning else 'nve'}",
-    ]
+    )
+
+
+def script(styles: Styles, skin: float, dt: float, steps: int, dumped: bool) -> str:
+    """The input: `steps` steps of velocity Verlet; with `dumped`, the states and the log of steps 1, 10, 100 and so on."""
+    lines = [*head(styles, skin), f"timestep {dt!r}", f"fix motion all {'nve/sphere' if styles.turning else 'nve'}"]
     if dumped:
         lines += [
             "compute each all contact/atom",
