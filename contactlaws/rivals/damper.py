@@ -33,12 +33,6 @@ def damped(law, overlap, damping, pulls, state):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def hertzian_contact_radius(law, overlap, state):  # type: ignore[no-untyped-def]
-    """Hertz's: a^2 = R d."""
-    return math.sqrt(law.radius * max(overlap, 0.0))
-
-
-@kernel
 def damped_energy(law, overlap, state):  # type: ignore[no-untyped-def]
     """Stored in the spring, and taken by the damper: also what the spring still had, if the contact opens while the damper holds it."""
     x = max(overlap, 0.0)

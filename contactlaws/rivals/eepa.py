@@ -6,12 +6,12 @@ force at an overlap of one radius. The law says nothing of the contact radius.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
 from contactlaws.rivals.bounds import at_least
+from contactlaws.rivals.unloading import unknown_contact_radius
 
 
 class Eepa(NamedTuple):
@@ -47,12 +47,6 @@ def eepa_force(law, overlap, rate, dt, state):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def eepa_contact_radius(law, overlap, state):  # type: ignore[no-untyped-def]
-    """Not known to this law."""
-    return math.nan if overlap > 0.0 else 0.0
-
-
-@kernel
 def eepa_energy(law, overlap, state):  # type: ignore[no-untyped-def]
     """Stored: integral of k2 (x^n - d_p^n) from d_p to d. Dissipated: k1 d_max^(n + 1)/(n + 1) less what can be got back."""
     largest = max(overlap, state[0])
@@ -81,7 +75,7 @@ register(
         "eepa",
         Eepa,
         eepa_force,
-        eepa_contact_radius,
+        unknown_contact_radius,
         eepa_energy,
         eepa_stiffness_bound,
         ("largest_overlap",),

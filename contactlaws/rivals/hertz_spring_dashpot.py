@@ -20,10 +20,11 @@ from scipy.optimize import brentq
 
 from contactlaws.compiled import inlined, kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.elastic import hertz_contact_radius
 from contactlaws.errors import Problem, require
 from contactlaws.material import Material, problems_with
 from contactlaws.rivals.bounds import at_least
-from contactlaws.rivals.damper import MEMORY, damped, damped_energy, hertzian_contact_radius, secant
+from contactlaws.rivals.damper import MEMORY, damped, damped_energy, secant
 
 
 class HertzSpringDashpot(NamedTuple):
@@ -117,7 +118,7 @@ register(
         "hertz_spring_dashpot",
         HertzSpringDashpot,
         hertz_spring_dashpot_force,
-        hertzian_contact_radius,
+        hertz_contact_radius,
         damped_energy,
         hertz_spring_dashpot_stiffness_bound,
         MEMORY,

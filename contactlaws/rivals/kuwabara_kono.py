@@ -19,11 +19,12 @@ from typing import NamedTuple
 
 from contactlaws.compiled import inlined, kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.elastic import hertz_contact_radius
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.material import Material, problems_with
 from contactlaws.prony import Relaxation, problems_with_fractions, problems_with_times
 from contactlaws.rivals.bounds import at_least
-from contactlaws.rivals.damper import MEMORY, damped, damped_energy, hertzian_contact_radius, secant
+from contactlaws.rivals.damper import MEMORY, damped, damped_energy, secant
 
 
 class KuwabaraKono(NamedTuple):
@@ -111,7 +112,7 @@ register(
         "kuwabara_kono",
         KuwabaraKono,
         kuwabara_kono_force,
-        hertzian_contact_radius,
+        hertz_contact_radius,
         damped_energy,
         kuwabara_kono_stiffness_bound,
         MEMORY,

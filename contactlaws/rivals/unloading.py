@@ -34,6 +34,19 @@ def hertz(reduced_modulus, radius, overlap):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def straight_force(stiffness, recovered, largest, overlap):  # type: ignore[no-untyped-def]
+    """Force in N of two straight lines: up to the `largest` overlap (m) with `stiffness` (N/m), and down over `recovered` (m)."""
+    force = stiffness * largest
+    return force * part_left(largest, recovered, overlap) if overlap < largest else force
+
+
+@kernel
+def unknown_contact_radius(law, overlap, state):  # type: ignore[no-untyped-def]
+    """Of a law that does not know it."""
+    return math.nan if overlap > 0.0 else 0.0
+
+
+@kernel
 def straight_energy(stiffness, recovered, largest, overlap):  # type: ignore[no-untyped-def]
     """Stored and dissipated energy of two straight lines: two triangles."""
     force = stiffness * largest

@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 from contactlaws.compiled import inlined, kernel
 from contactlaws.dispatch import Law, register
+from contactlaws.elastic import hertz_contact_radius
 from contactlaws.errors import InputError, Problem, require
 from contactlaws.prony import Relaxation, problems_with_fractions, problems_with_times
 from contactlaws.rivals.bounds import at_least
-from contactlaws.rivals.damper import hertzian_contact_radius
 
 #: the state: overlap (m), F1, F2 (N), work put in, energy in the Maxwell branch, energy dissipated (J)
 OVERLAP, RELAXING, SPRING, WORK, KEPT, LOST = range(6)
@@ -96,7 +96,7 @@ register(
         "wahn_gan_kamlah",
         WahnGanKamlah,
         wahn_gan_kamlah_force,
-        hertzian_contact_radius,
+        hertz_contact_radius,
         wahn_gan_kamlah_energy,
         wahn_gan_kamlah_stiffness_bound,
         ("overlap", "relaxing_force", "spring_force", "work", "relaxing_energy", "dissipated"),

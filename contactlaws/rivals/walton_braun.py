@@ -6,13 +6,12 @@ restitution is sqrt(k1/k2) at every speed; with S > 0 it falls with the speed. T
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from contactlaws.compiled import kernel
 from contactlaws.dispatch import Law, register
 from contactlaws.rivals.bounds import at_least
-from contactlaws.rivals.unloading import part_left, straight_energy
+from contactlaws.rivals.unloading import straight_energy, straight_force, unknown_contact_radius
 
 
 class WaltonBraun(NamedTuple):
@@ -46,16 +45,7 @@ def walton_braun_force(law, overlap, rate, dt, state):  # type: ignore[no-untype
     if overlap <= 0.0:
         return 0.0, (0.0,)
     largest = max(overlap, state[0])
-    force = law.loading_stiffness * largest
-    if overlap < largest:
-        force *= part_left(largest, walton_braun_recovered(law, largest), overlap)
-    return force, (largest,)
-
-
-@kernel
-def walton_braun_contact_radius(law, overlap, state):  # type: ignore[no-untyped-def]
-    """Not known to this law."""
-    return math.nan if overlap > 0.0 else 0.0
+    return straight_force(law.loading_stiffness, walton_braun_recovered(law, largest), largest, overlap), (largest,)
 
 
 @kernel
@@ -78,7 +68,7 @@ register(
         "walton_braun",
         WaltonBraun,
         walton_braun_force,
-        walton_braun_contact_radius,
+        unknown_contact_radius,
         walton_braun_energy,
         walton_braun_stiffness_bound,
         ("largest_overlap",),
