@@ -13,17 +13,22 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import TracebackType
 
+from cases.verification import ends_with_parent
+
 #: s; starting takes five at most on an idle machine
 PATIENCE = 120.0
 
 
 class DaskProcesses:
-    """`dask scheduler` and `dask worker --nworkers N`, which starts a worker that died again; as a context, ended when left."""
+    """`dask scheduler` and `dask worker --nworkers N`, which starts a worker that died again; as a context, ended when left.
+
+    If this process is killed, the scheduler ends by itself, and the workers end with it.
+    """
 
     def __init__(self, workers: int, folder: Path, settings: Mapping[str, str], preload: str | None = None) -> None:
         self.address = f"tcp://127.0.0.1:{_free_port()}"
         self._workers, self._folder, self._preload = workers, folder, preload
-        self._environment = {**os.environ, **settings}
+        self._environment = {**os.environ, **settings, ends_with_parent.PARENT: str(os.getpid())}
         self._running: dict[str, subprocess.Popen[bytes]] = {}
 
     def __enter__(self) -> DaskProcesses:
@@ -34,13 +39,20 @@ class DaskProcesses:
         while self._running:
             self._end(self._running.popitem()[1])
 
+    @property
+    def groups(self) -> list[int]:
+        """Numbers of the process groups, one for the scheduler and one for all workers."""
+        return [process.pid for process in self._running.values()]
+
     def start(self) -> None:
         """Scheduler and workers; returns when all are there."""
         port = self.address.rsplit(":", 1)[1]
-        self._start("scheduler", "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard", "--no-show")
+        watched = ("--preload", ends_with_parent.__name__)
+        self._start("scheduler", "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard", "--no-show", *watched)
         preload = ("--preload", self._preload) if self._preload else ()
-        numbers = ("--nworkers", str(self._workers), "--nthreads", "1", "--local-directory", str(self._folder))
-        self._start("workers", "worker", self.address, *numbers, "--no-dashboard", *preload)
+        numbers = ("--nworkers", str(self._workers), "--nthreads", "1", "--death-timeout", str(PATIENCE))
+        folder = ("--local-directory", str(self._folder))
+        self._start("workers", "worker", self.address, *numbers, *folder, "--no-dashboard", *preload)
         self.wait_for(self._workers)
 
     def _start(self, name: str, *arguments: str) -> None:

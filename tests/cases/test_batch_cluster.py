@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import signal
@@ -165,3 +166,35 @@ def test_a_scheduler_that_is_restarted_loses_nothing(tmp_path: Path, monkeypatch
         processes.start()
         run.join()
     judge(tmp_path, [task(f"t{number}") for number in range(TASKS)], 1)
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads the states of processes where Linux has them")
+def test_scheduler_and_workers_end_with_who_started_them(tmp_path: Path) -> None:
+    """Also if that one is killed: nothing of a verification that was broken off stays behind."""
+    pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
+    code = (
+        "import sys, time, pathlib\n"
+        "from cases.verification.dask_processes import DaskProcesses\n"
+        "with DaskProcesses(1, pathlib.Path(sys.argv[1]), {}) as processes:\n"
+        "    print(*processes.groups, flush=True)\n"
+        "    time.sleep(600)\n"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path)]
+    with subprocess.Popen(command, cwd=Path(__file__).parents[2], stdout=subprocess.PIPE, text=True) as starter:
+        assert starter.stdout is not None
+        groups = {int(group) for group in starter.stdout.readline().split()}
+        left = members(groups)
+        starter.kill()
+    assert len(left) >= 3  # the scheduler, who looks after the worker, and the worker
+    until(lambda: not any(map(alive, left)))
+    assert not members(groups)
+
+
+def members(groups: set[int]) -> list[int]:
+    """Processes of these groups that run."""
+    found = []
+    for place in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(ProcessLookupError):
+            if os.getpgid(int(place.name)) in groups and alive(int(place.name)):
+                found.append(int(place.name))
+    return found
