@@ -131,6 +131,47 @@ def servo(deformation, cell, virial):  # type: ignore[no-untyped-def]
 
 
 @inner
+def gradient_of(old, cell, dt):  # type: ignore[no-untyped-def]
+    """Velocity gradient in 1/s, in the middle of a step of `dt` (s), of a box that goes from `old` to `cell`; 0 of one that stays."""
+    gradient, change = np.zeros((3, 3)), np.zeros((3, 3))
+    if largest_entry(cell, old) == 0.0:
+        return gradient
+    for i in range(3):
+        for j in range(3):
+            change[i, j], gradient[i, j] = cell[i, j] - old[i, j], 0.5 * (cell[i, j] + old[i, j])
+    gradient = product(inverse(gradient), change)
+    for i in range(3):
+        for j in range(3):
+            gradient[i, j] /= dt
+    return gradient
+
+
+@kernel
+def next_cell(deformation, step, cell, virial):  # type: ignore[no-untyped-def]
+    """The edge vectors in m after `step` steps of a stage, one step on from `cell`, where `virial` (J, shape (3, 3)) was found."""
+    after = cell.copy()
+    servo(deformation, after, virial)
+    place_cell(deformation, step, after)
+    return after
+
+
+@kernel
+def carried_along(old, cell, dt):  # type: ignore[no-untyped-def]
+    """What a box that went from `old` to `cell` in `dt` (s) does to what it carries: the inverse of its stretch, and `gradient_of`."""
+    return inverse(product(inverse(old), cell)), gradient_of(old, cell, dt)
+
+
+@kernel
+def strain_of(cell, old, new):  # type: ignore[no-untyped-def]
+    """Change of the edge vectors from `old` to `new` over what they are, `cell`: work is the virial with it."""
+    change = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(3):
+            change[i, j] = new[i, j] - old[i, j]
+    return product(inverse(cell), change)
+
+
+@inner
 def done(bodies, force, virial, reaction, cell, change, still, walls, carried, dt):  # type: ignore[no-untyped-def]
     """Half the work in J that the boundary does on contacts in a step: with the forces of its start, or of its end."""
     if still:
@@ -165,6 +206,14 @@ def place_walls(walls, old, cell, moving, carried, dt):  # type: ignore[no-untyp
             share = 0.0 if walls[w, 1] > 0.0 else 1.0
         walls[w, 2] += share * change
         walls[w, 3] = 0.0 if carried else share * change / dt
+
+
+@kernel
+def moved_walls(walls, old, cell, moving, carried, dt):  # type: ignore[no-untyped-def]
+    """The walls after a step of `dt` (s) in which the edge vectors went from `old` to `cell`, see `place_walls`."""
+    moved = walls.copy()
+    place_walls(moved, old, cell, moving, carried, dt)
+    return moved
 
 
 @kernel
@@ -214,7 +263,7 @@ def advance(  # type: ignore[no-untyped-def]
     begun = drifted
     travel = farthest(bodies.position, listed, cell if deformation.affine else listed.cell)  # since the list was made, maybe calls ago
     sums, change, gradient = np.zeros((parts, 4)), np.zeros((3, 3)), np.zeros((3, 3))
-    speed, middle = np.zeros_like(listed.images), np.zeros((3, 3))
+    speed = np.zeros_like(listed.images)
     controlled = deformation.gain[0] + deformation.gain[1] + deformation.gain[2] > 0.0
     for now in range(step, step + steps):
         if not drifted:
@@ -228,20 +277,20 @@ def advance(  # type: ignore[no-untyped-def]
         carried = deformation.affine and not still
         for i in range(3):
             for j in range(3):
-                change[i, j], middle[i, j] = cell[i, j] - old[i, j], 0.5 * (cell[i, j] + old[i, j])
+                change[i, j] = cell[i, j] - old[i, j]
         if not drifted:
             stretch = product(inverse(old), cell)
             back = inverse(stretch)
             half, faded = (0.5 * dt, fade) if begun else (0.0, math.sqrt(fade))
             begun = True
-            move_all(threaded, bodies, shapes, force, torque, half, faded, 0.5 * dt, dt, carried, stretch, back, sums)
             place_walls(walls, old, cell, moving, carried, dt)
+            tally[0, WORK] += done(bodies, force, virial, reaction, old, change, still, walls, carried, dt)
+            move_all(threaded, bodies, shapes, force, torque, half, faded, 0.5 * dt, dt, carried, stretch, back, sums)
             fastest = 0.0
             for part in range(parts):
                 tally[0, DRAGGED] += sums[part, 0]
                 tally[0, WORK] += sums[part, 1]
                 fastest = max(fastest, sums[part, 2])
-            tally[0, WORK] += done(bodies, force, virial, reaction, old, change, still, walls, carried, dt)
             travel += dt * math.sqrt(fastest)
             room = 0.5 * slack(listed, cell, deformation.affine)
             if travel > room:
@@ -249,12 +298,9 @@ def advance(  # type: ignore[no-untyped-def]
                 if travel > room:
                     return now, True
         drifted = False
-        if carried:
-            gradient = product(inverse(middle), change)
-        for i in range(3):
-            for j in range(3):
-                gradient[i, j] = gradient[i, j] / dt if carried else 0.0
-        if not deformation.affine:
+        if deformation.affine:
+            gradient = gradient_of(old, cell, dt)
+        else:
             speed = places(listed.images, change)
             for k in range(len(speed)):
                 for a in range(3):

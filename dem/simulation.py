@@ -94,7 +94,8 @@ def run(scene: Scene, progress: Progress | None = None, checkpoint: str | Path |
         if part == 0:
             _begin(scene, work, stage)
         if scene.quasi_static is None:
-            deformation = interval_of(scene, work, plan, stage, part)
+            deepest = largest_overlap(work) if scene.adaptive_step else 0.0
+            deformation = interval_of(scene, plan, work.begun[0], deepest, stage, part)
             work, lists = follow(work, deformation, 0, deformation.steps, scene.moving_walls)
             steps, dt, lost = deformation.steps, deformation.dt, None
         else:
@@ -135,16 +136,21 @@ def reason_to_stop(work: Working, number: int, dt: float) -> str | None:
     return None
 
 
+def counts_anew(scene: Scene, stage: int) -> bool:
+    """Whether the stretch of a stage counts from the box in which it begins."""
+    return stage > 0 and scene.programme[stage - 1].follows_stress
+
+
 def _begin(scene: Scene, work: Working, stage: int) -> None:
     """Note with which stress a stage begins, and from which box the stretch counts."""
-    if stage > 0 and scene.programme[stage - 1].follows_stress:
+    if counts_anew(scene, stage):
         work.begun[0] = work.cell
     work.begun[1] = stress_tensor(work, with_motion=False)
 
 
 def _rested(scene: Scene, work: Working, plan: Plan, settings: QuasiStatic, stage: int, part: int) -> tuple[Working, int, str | None]:
     """Go from one output to the next by states of rest; also the iterations it took, and what went wrong."""
-    start, end = (_cell(scene, work, stage, (part + k) / scene.outputs) for k in (0, 1))
+    start, end = (_cell(scene, work.begun[0], stage, (part + k) / scene.outputs) for k in (0, 1))
     asked, duration, iterations = scene.programme[stage].stress, plan.durations[stage] / scene.outputs, 0
     change = max(float(np.abs(np.linalg.solve(start, end) - np.eye(3)).max()), 0.0)
     load, first = requirements.LOAD_SHARE * requirements.typical_force(scene), np.diag(work.begun[1])
@@ -168,19 +174,19 @@ def _rested(scene: Scene, work: Working, plan: Plan, settings: QuasiStatic, stag
     return work, iterations, None
 
 
-def _cell(scene: Scene, work: Working, stage: int, share: float) -> FloatArray:
-    """Edge vectors in m when `share` of a stage is done, as the programme wants them."""
-    ends, box = (beginnings(scene.programme)[stage], scene.programme[stage]), scene.box.with_cell(work.begun[0])
+def _cell(scene: Scene, begun: FloatArray, stage: int, share: float) -> FloatArray:
+    """Edge vectors in m when `share` of a stage is done, as the programme wants them; stretch counts from `begun`."""
+    ends, box = (beginnings(scene.programme)[stage], scene.programme[stage]), scene.box.with_cell(begun)
     before, after = (box.stretched(end.stretch, end.shear).cell for end in ends)
     return after if share == 1.0 else before + (after - before) * share
 
 
-def interval_of(scene: Scene, work: Working, plan: Plan, stage: int, part: int) -> Deformation:
-    """The steps from one output to the next."""
+def interval_of(scene: Scene, plan: Plan, begun: FloatArray, overlap: float, stage: int, part: int) -> Deformation:
+    """The steps from one output to the next. Stretch counts from the edge vectors `begun` (m); `overlap` (m) is the deepest there is."""
     duration = plan.durations[stage] / scene.outputs
     most = plan.step.dt
     if scene.adaptive_step and scene.particles.size:
-        deepest = largest_overlap(work) + NON_AFFINE * 2.0 * float(scene.particles.radii.max()) * _squeeze(scene, stage) / scene.outputs
+        deepest = overlap + NON_AFFINE * 2.0 * float(scene.particles.radii.max()) * _squeeze(scene, stage) / scene.outputs
         most = min(scene_time_step(scene, deepest, scene.time_step_fraction).dt, LONGER * most)
     steps = max(1, math.ceil(duration / most))
     target, gain, fastest = np.zeros(3), np.zeros(3), 0.0
@@ -190,7 +196,7 @@ def interval_of(scene: Scene, work: Working, plan: Plan, stage: int, part: int) 
         scale = max(stress or 0.0 for stress in wanted) or requirements.reference_pressure(scene, requirements.SERVO_STRAIN)
         target = np.array([stress or 0.0 for stress in wanted])
         gain = np.array([0.0 if stress is None else fastest / (SERVO_BAND * scale) for stress in wanted])
-    start, end = (_cell(scene, work, stage, (part + k) / scene.outputs) for k in (0, 1))
+    start, end = (_cell(scene, begun, stage, (part + k) / scene.outputs) for k in (0, 1))
     return Deformation(start, end, steps, duration / steps, plan.drags[stage], scene.affine, target, gain, fastest)
 
 

@@ -112,17 +112,28 @@ def kinds_of(scene: Scene) -> tuple[Kind, ...]:
     return tuple(kinds)
 
 
+def turns(scene: Scene) -> bool:
+    """Whether the bodies of a scene have spins."""
+    bodies = scene.particles
+    asked = bodies.axes is not None or bodies.spin is not None or "rotation" in scene.carry
+    return asked or any(kind.contact.tangential is not None for kind in kinds_of(scene))
+
+
+def walls_of(scene: Scene) -> FloatArray:
+    """The walls of a scene at its start, as in `forces.Frame`."""
+    open_ones = [a for a in range(3) if scene.walls[a]]
+    return np.array([[a, s, 0.0 if s > 0 else scene.box.lengths[a], 0.0] for a in open_ones for s in (1.0, -1.0)]).reshape(-1, 4)
+
+
 def working(scene: Scene) -> Working:
     """Arrays sorted by cells, so that neighbours in space are neighbours in memory (once, at the start: a dense packing hardly mixes)."""
     bodies, count, kinds = scene.particles, scene.particles.size, kinds_of(scene)
     order, round_ones = cell_order(bodies.position, bodies.radii), bodies.axes is None
-    turns = not round_ones or bodies.spin is not None or "rotation" in scene.carry
-    turns = turns or any(kind.contact.tangential is not None for kind in kinds)
     radii, masses = bodies.radii[order], scene.masses[order]
     one_mass = count == 0 or bool(np.all(masses == masses[0]))
     spin = np.zeros((count, 3)) if bodies.spin is None else bodies.spin[order].astype(float)
     many = not round_ones or np.ndim(bodies.radius) > 0 or "radius" in scene.carry
-    walls = np.array([[a, s, 0.0 if s > 0 else scene.box.lengths[a], 0.0] for a in range(3) if scene.walls[a] for s in (1.0, -1.0)])
+    walls, turning = walls_of(scene), turns(scene)
     shapes = None
     if bodies.axes is not None and bodies.orientation is not None:
         shapes = shapes_of(bodies.axes[order], bodies.orientation[order], masses, spin)
@@ -131,7 +142,7 @@ def working(scene: Scene) -> Working:
         bodies=Bodies(
             position=bodies.position[order],
             velocity=bodies.velocity[order],
-            spin=spin if turns else None,
+            spin=spin if turning else None,
             radius=radii.copy() if many else None,
             one_radius=float(radii[0]) if count else 1.0,
             mass=None if one_mass and "mass" not in scene.carry else masses,
@@ -143,12 +154,12 @@ def working(scene: Scene) -> Working:
         cell=scene.box.cell,
         old=scene.box.cell,
         begun=np.stack([scene.box.cell, np.zeros((3, 3))]),
-        walls=walls.reshape(-1, 4),
+        walls=walls,
         kinds=kinds,
         groups=tuple(_new_group(kind.contact, bool(many), kind.second is None, scene.carry) for kind in kinds),
         listed=Listed(np.zeros((count, 3)), scene.box.cell, np.zeros((0, 3)), 2.0 * widest * skin, 2.0 * widest),
         force=np.zeros((threads, count, 3)),
-        torque=np.zeros((threads, count if turns else 0, 3)),
+        torque=np.zeros((threads, count if turning else 0, 3)),
         virial=np.zeros((threads, 3, 3)),
         reaction=np.zeros((threads, len(walls), 3)),
         tally=np.zeros((threads, TALLIES)),

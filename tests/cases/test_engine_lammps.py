@@ -76,8 +76,12 @@ def _stress(file: Path) -> np.ndarray:
 
 @needs_lammps
 @pytest.mark.compiled_only("thousands of steps of sixty spheres take minutes in plain Python")
-def test_one_rank_and_two_after_a_kill_give_the_stress_of_our_own_loop(asked, tmp_path, capfd):
+@pytest.mark.parametrize(
+    "more", ["", 'loading = "shear"\n', 'affine = false\ncarry = ["rotation"]\n'], ids=["stretched", "sheared", "faces"]
+)
+def test_one_rank_and_two_after_a_kill_give_the_stress_of_our_own_loop(asked, tmp_path, capfd, more):
     """Overlaps of .001 R are good to 1e-12, since the box has 8 R; collisions make that grow. Ranks change nothing, nor does a kill."""
+    (tmp_path / "scene.toml").write_text(SCENE + more)
     assert command.execute(asked) == 0
     found = [_stress(next((tmp_path / "out" / "scenes").glob("*.parquet")))]
     _killed_halfway([*asked[:-1], str(tmp_path / "lammps-2"), "--engine", "lammps"])
@@ -95,11 +99,11 @@ def test_one_rank_and_two_after_a_kill_give_the_stress_of_our_own_loop(asked, tm
 
 @needs_lammps
 def test_what_the_engine_does_not_do_is_refused_at_once(asked, tmp_path, capsys):
-    more = 'friction = 0.3\nyoungs_modulus = "142 GPa"\npoissons_ratio = 0.25\nloading = "shear"\nthreads = 2\n'
+    more = 'friction = 0.3\nyoungs_modulus = "142 GPa"\npoissons_ratio = 0.25\nroutine = "quasi-static"\nthreads = 2\n'
     (tmp_path / "scene.toml").write_text(SCENE + more)
     assert command.execute([*asked, "--engine", "lammps"]) == command.BAD_INPUT
     told = capsys.readouterr().err
-    for word in ("shear", "threads"):
+    for word in ("quasi_static", "threads"):
         assert word in told
     assert not (tmp_path / "out").exists()
 

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
+import os
+import signal
 import sys
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
 import dem
+from contactlaws.elastic import Hertz
+from contactlaws.elastoplastic import Thornton
 from contactlaws.material import Material
 from contactlaws.tangential import damper, mindlin, rolling
 from contactlaws.whole_range import whole_range
@@ -15,7 +22,7 @@ from dem.box import Box
 from dem.lammps_engine import Engine, Snapshot
 from dem.lammps_library import library
 from dem.motion import Deformation
-from dem.packing import random_close_packing
+from dem.packing import face_centred_cubic, random_close_packing
 from dem.particles import spheres
 
 RADIUS, DENSITY = 5e-6, 4750.0
@@ -33,6 +40,70 @@ def packing(count: int = 200, contact: dem.Contact = SMOOTH, strain: float = 0.0
     programme = dem.uniaxial_compression(strain, strain_rate=rate)
     bed = random_close_packing(count, 0.635, radius=RADIUS, seed=1)
     return dem.packed_scene(bed, DENSITY, contact, programme, outputs=5, frames=2)
+
+
+def faces() -> dem.Scene:
+    """A box of which only the faces move, on spheres that have gone through it here and there: each moves with the image that it is."""
+    bed = packing(120, ROUGH, 0.01, 2e5)
+    turns = np.random.default_rng(5).integers(-1, 2, size=(120, 3))
+    bodies = bed.particles._replace(position=bed.particles.position + turns @ bed.box.cell)
+    return dataclasses.replace(bed, particles=bodies, affine=False)
+
+
+def stress() -> dem.Scene:
+    """All edges are moved to hold a pressure; what follows starts from there. The step follows the deepest contact."""
+    programme = (dem.confined(PRESSURE, 1e-7), *dem.uniaxial_compression(0.005, strain_rate=2e5))
+    return dataclasses.replace(packing(120, ROUGH), programme=programme, adaptive_step=True)
+
+
+def sheared() -> dem.Scene:
+    """A box that leans in each of the three ways, under stress control, then simply sheared, and back."""
+    bed = packing(120, ROUGH)
+    tilted = bed.box._replace(tilt=tuple(part * bed.box.lengths[0] for part in (0.02, -0.01, 0.015)))
+    place = bed.particles.position @ np.linalg.inv(bed.box.cell) @ tilted.cell
+    programme = (dem.confined(PRESSURE, 2e-8), dem.simple_shear(0.01, 5e-8), dem.Stage((1.0, 1.0, 1.0), 5e-8))
+    return dataclasses.replace(bed, particles=bed.particles._replace(position=place), box=tilted, programme=programme)
+
+
+def walled(contact: dem.Contact = ROUGH) -> dem.Scene:
+    """A lattice moved at random, periodic along x and y, just between two walls along z, pressed and released."""
+    crystal, random = face_centred_cubic((3, 3, 3), RADIUS), np.random.default_rng(0)
+    place = crystal.position + random.uniform(-0.01, 0.01, crystal.position.shape) * RADIUS
+    place[:, 2] += RADIUS - place[:, 2].min()
+    lengths = (*crystal.box.lengths[:2], float(place[:, 2].max()) + RADIUS)
+    programme = dem.uniaxial_compression(0.01, strain_rate=2e5)
+    box = Box(lengths, (True, True, False))
+    return dem.Scene(spheres(place, RADIUS, DENSITY), box, contact, programme, walls=(False, False, True), outputs=5, frames=2)
+
+
+def pressed_walls() -> dem.Scene:
+    """The same between walls that move by themselves, both of them, to hold a pressure."""
+    programme = (dem.Stage((1.0, 1.0, 1.0), 5e-8, stress=(None, None, PRESSURE)), dem.Stage((1.0, 1.0, 0.99), 5e-8))
+    return dataclasses.replace(walled(), affine=False, moving_walls=0.3, programme=programme)
+
+
+def kinds() -> dem.Scene:
+    """Between walls, large and small spheres that meet by three laws of different memory, of which two have friction."""
+    small = np.arange(108) % 3 == 0
+    own = dem.Contact(Hertz(RADIUS, NMC.reduced_modulus), mindlin(0.2, NMC), None, damper(0.8, NMC))
+    mixed = dem.Contact(Thornton(RADIUS, NMC.reduced_modulus, 1.42e9))
+    bed = walled()
+    bodies = spheres(bed.particles.position, np.where(small, 0.97 * RADIUS, RADIUS), DENSITY)._replace(kind=small.astype(np.int64))
+    return dataclasses.replace(bed, particles=bodies, between=((0, 1, mixed), (1, 1, own)))
+
+
+#: pressure to hold in Pa
+PRESSURE = 2e8
+#: one of each thing that a scene may have
+SCENES: dict[str, Callable[[], dem.Scene]] = {
+    "compression": lambda: packing(120, ROUGH, 0.01, 2e5),
+    "faces": faces,
+    "stress": stress,
+    "sheared": sheared,
+    "walled": walled,
+    "pressed walls": pressed_walls,
+    "kinds": kinds,
+}
 
 
 def pair(density: float = HEAVY, speed: float = 0.0, contact: dem.Contact = SMOOTH) -> dem.Scene:
@@ -62,19 +133,42 @@ def flight() -> dict[str, np.ndarray]:
     return {"virial": virial, "position": np.array([snapshot.position for snapshot in found])}
 
 
-def compression() -> dict[str, np.ndarray]:
-    """The path of a packing with friction, rolling resistance and dampers."""
-    found = lammps_run.run(packing(120, ROUGH, 0.01, 2e5))
-    if found is None:
-        return {}
-    energies = np.stack(found.energies[:-1])
-    return {"stress": found.stress, "coordination": found.coordination_number, "energies": energies}
+def paths(folder: Path | None = None) -> dict[str, np.ndarray]:
+    """The path of each scene; of one that has a checkpoint in the folder, from there on."""
+    results = {}
+    for name, scene in SCENES.items():
+        found = lammps_run.run(scene(), checkpoint=None if folder is None else folder / f"{name}.npz")
+        if found is not None:
+            energies = np.stack(found.energies[:-1])
+            own = {"stress": found.stress, "coordination": found.coordination_number, "energies": energies, "strain": found.strain}
+            results |= {f"{name} {quantity}": values for quantity, values in own.items()}
+    return results
+
+
+def _dying(fraction: float, text: str) -> None:
+    if fraction > 0.5:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+def killed(folder: Path) -> None:
+    """Begin each scene in a process that dies halfway as if the power had failed, with the state saved at each output."""
+    lammps_run.SAVE_EVERY = 0.0
+    for name, scene in SCENES.items():
+        child = os.fork()  # before anything of LAMMPS or MPI is loaded
+        if child == 0:
+            lammps_run.run(scene(), _dying, folder / f"{name}.npz")
+            os._exit(0)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL, name
 
 
 if __name__ == "__main__":
+    what, place, *more = sys.argv[1:]
+    if what == "killed":
+        killed(Path(place))
+        sys.exit()
     lammps = library()
-    results = {"flight": flight, "compression": compression}[sys.argv[1]]()
+    results = flight() if what == "flight" else paths(*map(Path, more))
     end = lammps.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     if end.extract_setting("world_rank") == 0:
-        np.savez(sys.argv[2], ranks=end.extract_setting("world_size"), **results)
+        np.savez(place, ranks=end.extract_setting("world_size"), **results)
     end.finalize()
