@@ -21,7 +21,7 @@ from contactlaws.errors import InputError, Problem
 from contactlaws.material import Material
 from contactlaws.whole_range import unloading as law_unloading
 from contactlaws.whole_range_record import Constants, WholeRange, coefficients
-from contactlaws.whole_range_unloading import retreat, shape, shape_work
+from contactlaws.whole_range_unloading import area_left, shape, shape_work
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -122,7 +122,7 @@ def _evaluate(constants, modulus, poissons_ratio, depth, s):  # type: ignore[no-
         single[4, i] = load * recovered * shape_work(terms, 1.0)
         for j in range(steps):
             shapes[0, i, j] = shape(terms, s[i, j])
-            shapes[1, i, j] = retreat(law, depth[i], phi, s[i, j])
+            shapes[1, i, j] = area_left(law, depth[i], load, phi, area, recovered, terms, s[i, j])
     return single, shapes
 
 

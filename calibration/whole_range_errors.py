@@ -24,7 +24,10 @@ _FINE = np.linspace(1.0, 0.0, 201)
 
 
 def errors(constants: dict[str, float], wanted: Targets) -> dict[str, FloatArray]:
-    """Relative errors (law over curve less 1) of each quantity, one per unloading; `shape`: largest difference of force over F_max."""
+    """Relative errors (law over curve less 1) of each quantity, one per unloading.
+
+    `shape`: largest difference of the force over F_max; `retreat`: mean difference of the contact area over its largest, at the same steps.
+    """
     record = Constants(**constants)
     found = evaluate(record, wanted.modulus, wanted.poissons_ratio, wanted.depth, wanted.s)
     fine = evaluate(
@@ -38,6 +41,7 @@ def errors(constants: dict[str, float], wanted: Targets) -> dict[str, FloatArray
         "alpha": exponent / wanted.exponent - 1.0,
         "energy": found.energy / wanted.energy - 1.0,
         "shape": abs(found.shape - wanted.shape).max(axis=1),
+        "retreat": abs(found.area - wanted.area).mean(axis=1),
         "yield": np.where(np.isfinite(wanted.yield_depth), found.yield_depth / wanted.yield_depth - 1.0, 0.0),
     }
 

@@ -28,7 +28,7 @@ from contactlaws.whole_range_record import Constants, hertz_yield_root
 FloatArray = npt.NDArray[np.float64]
 
 #: what the residuals are measured in: the relative errors aimed at, about the 75th percentile
-UNITS = {"load": 0.008, "contact_radius": 0.010, "recovered": 0.014, "exponent": 0.010, "energy": 0.02, "shape": 0.0035, "area": 0.2}
+UNITS = {"load": 0.008, "contact_radius": 0.010, "recovered": 0.014, "exponent": 0.010, "energy": 0.02, "shape": 0.0035, "area": 0.07}
 QUANTITIES = tuple(UNITS)
 #: below this overlap over the radius, residuals count as this share of themselves
 SHALLOW, SHALLOW_WEIGHT = 0.0099, 0.5

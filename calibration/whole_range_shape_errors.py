@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from calibration.whole_range_shape_data import Pressed, Unloading, read_folder
 from contactlaws import whole_range_shape_constants
-from contactlaws.whole_range_shape import constants_of, shaped_area, shaped_loading, shaped_recovered, shaped_retreat, shaped_terms
+from contactlaws.whole_range_shape import constants_of, shaped_area, shaped_area_left, shaped_loading, shaped_recovered, shaped_terms
 from contactlaws.whole_range_unloading import shape
 
 FloatArray = npt.NDArray[np.float64]
@@ -60,7 +60,7 @@ def errors(body: Pressed, c: FloatArray, one: Unloading) -> Errors:
     keep = (body.depth <= one.depth) & (body.t > 0.05)
     found = np.array([shaped_area(law, c, local, d, shaped_loading(law, c, local, d)[1]) for d in body.depth[keep][-1:]])
     difference = abs(found / body.area[keep][-1:] - 1.0).max(initial=0.0)
-    rests = area * np.array([shaped_retreat(law, c, local, one.depth, phi, s) for s in left])
+    rests = area * np.array([shaped_area_left(law, c, local, one.depth, load, phi, area, recovered, terms, s) for s in left])
     rested = one.area * np.interp(back, one.depth - one.recovered * (1.0 - one.left[::-1]), one.area_share[::-1], left=0.0)
     retreat = abs(rests - rested).mean() / one.area
     return Errors(mean, loading.mean(), (one.recovered - recovered) / one.depth, difference, retreat, body.name, one.depth * local[1])

@@ -29,7 +29,7 @@ from contactlaws.whole_range_loading import (
     loading_work,
 )
 from contactlaws.whole_range_record import Constants, WholeRange, WholeRangeCompact, coefficients
-from contactlaws.whole_range_unloading import elastic_terms, recovered_depth, retreat, shape, shape_slope, shape_terms, shape_work
+from contactlaws.whole_range_unloading import area_left, elastic_terms, recovered_depth, shape, shape_slope, shape_terms, shape_work
 
 #: overlap over the radius up to which the formulas are held against curves and guarded in the fit
 DEEPEST = 0.6
@@ -123,9 +123,9 @@ def whole_range_contact_radius(law, overlap, state):  # type: ignore[no-untyped-
     depth, largest = min(overlap / law.radius, END), min(max(overlap, state[0]) / law.radius, END)
     if largest <= law.yield_depth:
         return law.radius * math.sqrt(elastic_area(law, depth))
-    _, phi, area, recovered, _ = unloading(law, largest)
+    load, phi, area, recovered, terms = unloading(law, largest)
     s = max(0.0, 1.0 - (largest - depth) / recovered)
-    return law.radius * math.sqrt(area * retreat(law, min(largest, DEEPEST), phi, s))
+    return law.radius * math.sqrt(area * area_left(law, min(largest, DEEPEST), load, phi, area, recovered, terms, s))
 
 
 @kernel

@@ -30,11 +30,11 @@ from contactlaws.whole_range_shape import (
     force_terms,
     local_geometry,
     shaped_area,
+    shaped_area_left,
     shaped_elastic_load,
     shaped_elastic_work,
     shaped_loading,
     shaped_recovered,
-    shaped_retreat,
     shaped_terms,
 )
 from contactlaws.whole_range_unloading import shape as shape_of
@@ -131,10 +131,10 @@ def whole_range_ellipsoid_contact_radius(law, shape, overlap, memory):  # type: 
         return 0.0
     local = local_geometry(shape)
     depth, largest = overlap / local[0], max(overlap, memory[0]) / local[0]
-    _, phi, area, recovered, _ = begun_unloading(law, local, largest)
+    load, phi, area, recovered, terms = begun_unloading(law, local, largest)
     left = max(0.0, 1.0 - (largest - depth) / recovered)
     at, _ = within(local, largest)
-    return local[0] * math.sqrt(area * shaped_retreat(law.sphere, law.constants, local, at, phi, left))
+    return local[0] * math.sqrt(area * shaped_area_left(law.sphere, law.constants, local, at, load, phi, area, recovered, terms, left))
 
 
 @kernel

@@ -23,7 +23,7 @@ import numpy.typing as npt
 from contactlaws.compiled import inlined, kernel
 from contactlaws.contact_ellipse import fast_mean_factors
 from contactlaws.whole_range_loading import INDENTATION, area_beyond_yield, limit_parts, part_of_elastic
-from contactlaws.whole_range_unloading import recovered_beyond_yield, shape_of_terms
+from contactlaws.whole_range_unloading import recovered_beyond_yield, retreat, shape_of_terms
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -222,7 +222,9 @@ def shaped_terms(law, c, local, depth, phi):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def shaped_retreat(law, c, local, depth, phi, s):  # type: ignore[no-untyped-def]
+def shaped_area_left(law, c, local, depth, load, phi, area, recovered, terms, s):  # type: ignore[no-untyped-def]
     """Area over that at `depth` while a share s of the recovery is left, see `contactlaws.whole_range_unloading.retreat`."""
-    own = shaped_elastic_area(law, c, local, depth * s) / shaped_elastic_area(law, c, local, depth)
-    return phi * own + (1.0 - phi) * s * (2.0 - s)
+    stiffness, elastic = 1.5 * law.stiffness / (local[3] * local[4]), shaped_elastic_area(law, c, local, depth)
+    whole = stiffness * math.sqrt(area) * recovered / load
+    elastic_whole = stiffness * math.sqrt(elastic) * depth / shaped_elastic_load(law, c, local, depth)
+    return retreat(terms, phi, whole, elastic_whole, shaped_elastic_area(law, c, local, depth * s) / elastic, s)

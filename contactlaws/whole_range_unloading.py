@@ -3,7 +3,8 @@
 From the largest depth D, s falls from 1 to 0 while the overlap w (over the radius) is recovered. Everything depends on D, nu and
 phi = f/f_el there. w goes from D (elastic) to the plastic w_pl, which is Mesarovic & Johnson's 2 (1 - nu^2) F/(pi a E) for a contact small
 against the body (times a factor near 1: the pressure is not as even as they took it) and the springback of a bar of equal volume for a
-deep one. The shape is a share of the elastic branch itself, and for the rest s^(A + B s).
+deep one. The shape is a share of the elastic branch itself, and for the rest s^(A + B s). The area of the contact follows from the slope of
+that: a contact has the stiffness 2 E* a whatever the surfaces in it (Bulychev, Alekhin & Shorshorov 1975; Pharr, Oliver & Brotzen 1992).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import math
 import numpy as np
 
 from contactlaws.compiled import inlined, kernel
-from contactlaws.whole_range_loading import elastic_area, share
+from contactlaws.whole_range_loading import elastic_area, elastic_load, share
 
 #: the exponent of the rest of the shape stays above: a smaller one would begin with an infinite slope
 LEAST_ROUND = 1.0
@@ -128,6 +129,39 @@ def shape_slope(terms, s):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def retreat(law, depth, phi, s):  # type: ignore[no-untyped-def]
-    """(a/a_max)^2: the elastic branch's own, and Mesarovic & Johnson's 1 - (1 - s)^2 where plastic."""
-    return phi * elastic_area(law, depth * s) / elastic_area(law, depth) + (1.0 - phi) * s * (2.0 - s)
+def area_by_slope(terms, whole, s):  # type: ignore[no-untyped-def]
+    """(a/a_max)^2 along the unloading with these terms; `whole` is 2 E* a_max times the recovery over the largest force.
+
+    The stiffness is x times that of the start, which is 1/y of the contact's own 2 E* a_max. What the rest of the body adds to the
+    compliance stays as it is; so a/a_max = x/(x + y (1 - x)).
+    """
+    start, slope = shape_slope(terms, 1.0), shape_slope(terms, s)
+    if slope >= start:
+        return 1.0
+    if slope <= 0.0:
+        return 0.0
+    ratio = slope / (slope + whole * (1.0 - slope / start))
+    return ratio * ratio
+
+
+@kernel
+def retreat(terms, phi, whole, elastic_whole, own, s):  # type: ignore[no-untyped-def]
+    """(a/a_max)^2 along an unloading: the power of `area_by_slope` that would make `own` of the elastic branch, as far as it is elastic.
+
+    elastic_whole: what `whole` would be on the elastic branch.
+    """
+    if phi >= 1.0 or s <= 0.0:
+        return own
+    _, one, two, three, _, _ = terms
+    elastic, power = area_by_slope((1.0, one, two, three, 1.5, 0.0), elastic_whole, s), 1.0
+    if own < 1.0 and 0.0 < elastic < 1.0:
+        power += phi * (math.log(own) / math.log(elastic) - 1.0)
+    return area_by_slope(terms, whole, s) ** power
+
+
+@kernel
+def area_left(law, depth, load, phi, area, recovered, terms, s):  # type: ignore[no-untyped-def]
+    """(a/a_max)^2 while a share s of the recovery from `depth` is left."""
+    stiffness, elastic = 1.5 * law.stiffness, elastic_area(law, depth)  # 2 E* over pi R Y
+    whole, elastic_whole = stiffness * math.sqrt(area) * recovered / load, stiffness * math.sqrt(elastic) * depth / elastic_load(law, depth)
+    return retreat(terms, phi, whole, elastic_whole, elastic_area(law, depth * s) / elastic, s)

@@ -158,6 +158,52 @@ def test_shape_its_slope_and_its_work_belong_together(phi: float, depth: float):
         assert shape_work(terms, s) == pytest.approx(work, rel=1e-8)
 
 
+def back(law: Any, top: float, shares: Any) -> Any:
+    """Force and contact radius of an unloading from the depth `top`: there, and at these shares of its recovery."""
+    return trace(law, np.concatenate(([top], overlaps(law, top, shares))))
+
+
+def overlaps(law: Any, top: float, shares: Any) -> Any:
+    return top - unloading(law, top)[3] * (1.0 - np.asarray(shares))
+
+
+def test_a_small_contact_is_let_go_with_the_stiffness_of_its_radius():
+    """dF/dd = 2 E* a (Pharr, Oliver & Brotzen 1992), all along: the radius goes with the slope of the force, by central differences."""
+    law = body(whole_range, 1e6)
+    shares = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
+    step = 1e-4
+    above, at, below = (back(law, 1e-6, shares + side * step) for side in (1.0, 0.0, -1.0))
+    stiffness = (above.force[1:] - below.force[1:]) / (overlaps(law, 1e-6, shares + step) - overlaps(law, 1e-6, shares - step))
+    # 1.05 times 2 E* a, where the pressure is as uneven as finite elements have it; what is constant drops out of the radius
+    ratio = stiffness / (2.0 * 1e6 / (1.0 - 0.3**2) * at.contact_radius[1:])
+    assert ratio == pytest.approx(ratio[-1], rel=0.03)
+    assert ratio[-1] == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("modulus", [2.0, 20.0, 500.0, 1e5])
+def test_area_of_an_unloading_goes_over_into_the_elastic_one_at_yield(modulus: float):
+    law = body(whole_range, modulus)
+    shares = np.array([0.9, 0.5, 0.2, 0.05])
+    elastic = np.sqrt([elastic_area(law, law.yield_depth * share) for share in shares])
+    misses = []
+    for beyond in (1e-2, 1e-4, 1e-8):
+        found = back(law, law.yield_depth * (1.0 + beyond), shares).contact_radius[1:]
+        misses.append(abs(found / elastic - 1.0).max())
+    assert misses[0] > misses[1] > misses[2]
+    assert misses[2] < 1e-3  # the recovery leaves the elastic one with a vertical tangent
+
+
+@SLOW
+@MAKERS
+@settings(max_examples=60, deadline=None)
+@given(st.floats(0.0, 5.0).map(lambda power: 10.0**power), st.floats(0.0, 0.4999), st.floats(-5.0, -0.05).map(lambda power: 10.0**power))
+def test_the_contact_never_grows_while_it_is_let_go(make: Any, modulus: float, poissons_ratio: float, top: float):
+    radius = back(body(make, modulus, poissons_ratio), top, np.linspace(1.0, 0.0, 60)).contact_radius
+    assert np.isfinite(radius).all()
+    assert (np.diff(radius) <= 1e-9 * radius[0]).all()
+    assert radius[-1] >= 0.0
+
+
 @SLOW
 @settings(max_examples=40, deadline=None)
 @given(

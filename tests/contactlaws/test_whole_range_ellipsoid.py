@@ -184,7 +184,8 @@ def test_beyond_its_range_it_stays_finite_and_grows():
 @pytest.mark.compiled_only("thousands of evaluations of long polynomials")
 @pytest.mark.parametrize(("ratio", "nu", "aspect"), [(40.0, 0.2, 1.3), (17.97, 0.25, 0.65)])
 def test_finite_elements_of_a_body_it_was_not_fitted_to(ratio, nu, aspect):
-    """Force within 1 % of the largest in the mean along load, unload, reload; residual overlap within 2 %, area within 3 %."""
+    """Force within 1 % of the largest in the mean along load, unload, reload; residual overlap within 2 %, area within 3 %, along the
+    unloading within 4 % of the largest in the mean."""
     deep = 0.1 * aspect ** (2.0 / 3.0)
     curve = fem.press(Material(ratio, nu, 1.0), aspect=aspect, unload_from=(0.4 * deep, deep), tolerance=0.005)
     body = pressed(curve)
@@ -194,3 +195,4 @@ def test_finite_elements_of_a_body_it_was_not_fitted_to(ratio, nu, aspect):
         assert found.force < 0.01
         assert abs(found.residual) < 0.02
         assert found.area < 0.03
+        assert found.retreat < 0.04
