@@ -122,6 +122,8 @@ class Engine:
         self._interval: Deformation | None = None  # None: no forces are asked for
         self._first = 0  # number of the step before the interval
         self._moved: list[tuple[int, int]] = []  # edges, and their leanings, that change in the interval
+        self._changes: list[tuple[str, int, int]] = []  # of these, what LAMMPS changes, with the name of its variable
+        self._following = False  # whether a stress is followed in the interval
         self._lists: list[_List] | None = None
         self._failed: BaseException | None = None
         self._began = time.monotonic()
@@ -198,6 +200,7 @@ class Engine:
         self._interval, self._first, self._lists = interval, int(self._lmp.extract_global("ntimestep")), None
         within = [(i, j) for i in range(3) for j in range(i + 1)]
         self._moved = [(i, j) for i, j in within if interval.start[i, j] != interval.end[i, j] or (i == j and interval.gain[i] > 0.0)]
+        self._following = any(interval.gain > 0.0)
         self._put_back()
         self._sum_exactly(interval)
         now, first = self._cell, self._next(interval, 1)
@@ -207,18 +210,17 @@ class Engine:
         lammps_forces.first_kick(*roles, *moving, 0.5 * interval.dt, fade, *there, self._own("d2_sums"))
         self._move_on(interval, first)
         self._move_box(first)
-        moved = [] if self._walled else self._moved
-        self._base = self._size(first)
-        for i, j in moved:
-            self._commands(f"variable change{i}{j} internal 0.0")
-        if moved:
+        self._base, self._changes = self._size(first), [] if self._walled else [(f"change{i}{j}", i, j) for i, j in self._moved]
+        for name, _, _ in self._changes:
+            self._commands(f"variable {name} internal 0.0")
+        if self._changes:
             self._commands("variable rate internal 0.0")
-            edges = " ".join(f"{EDGES[i, j]} variable v_change{i}{j} v_rate" for i, j in moved)
+            edges = " ".join(f"{EDGES[i, j]} variable v_{name} v_rate" for name, i, j in self._changes)
             self._commands(f"fix box all deform 1 {edges} remap {'none' if self._jumping else 'x'} flip no")
         self._commands(f"timestep {interval.dt!r}", f"run {interval.steps} post no")
-        if moved:
+        if self._changes:
             self._commands("unfix box")
-        if any(interval.gain > 0.0):
+        if self._following:
             self._commands("uncompute whole", "uncompute shares")
         self._interval = None
         self._raise()
@@ -329,7 +331,7 @@ class Engine:
     def _size(self, cell: FloatArray) -> FloatArray:
         """Of LAMMPS's box, and how it leans, in m, shape (3, 3): `cell` with room beyond walls, which it does not know."""
         size = cell.copy()
-        for axis in range(3):
+        for axis in range(3) if len(self.walls) else ():
             if self._scene.walls[axis]:
                 start, most = self._scene.box.lengths[axis], max(stage.stretch[axis] for stage in self._scene.programme)
                 if self._walled:  # it stays as it is, and each of the walls may take all that the edge gains
@@ -377,13 +379,13 @@ class Engine:
 
     def _forces(self, number: int, interval: Deformation, force: FloatArray) -> None:
         before, now, dt = self._before, self._cell, interval.dt
-        walls = self._walls_there()
-        if self._lists is None or self._lmp.extract_setting("neigh_ago") == 0 or self._drifted(walls):
+        walls = self._walls_there() if len(self.walls) else self.walls
+        if self._lists is None or self._lmp.extract_setting("neigh_ago") == 0 or (self._walled and self._drifted(walls)):
             self._list()
         assert self._lists is not None
         spheres, turning, begun = self._spheres, self._turning, False
         back, gradient = carried_along(before, now, dt) if self._moved and self._scene.affine else (STILL, NOTHING)
-        edges = (now - before).diagonal() / dt if self._jumping and self._moved else np.zeros(3)
+        edges = (now - before).diagonal() / dt if self._jumping and self._moved else NOTHING[0]
         if self._walled:
             spheres.sums[:, PRESSED : PRESSED + 3] = 0.0
         for kind, rates, (pairs, out, images) in zip(self._kinds, self._rates, self._lists, strict=True):
@@ -417,15 +419,16 @@ class Engine:
                 spheres.sums[:, PLACE : PLACE + 3] = spheres.position[: len(spheres.sums)]
         else:
             self._move_on(interval, after)
-            size = self._size(after)
-            for i, j in [] if self._walled else self._moved:
-                self._lmp.set_internal_variable(f"change{i}{j}", float(size[i, j] - self._base[i, j]))
+            if self._changes:
+                size = (self._size(after) - self._base).tolist()
+                for name, i, j in self._changes:
+                    self._lmp.set_internal_variable(name, size[i][j])
 
     def _next(self, interval: Deformation, number: int) -> FloatArray:
         """The edge vectors in m after the next step of the interval, which is this one."""
         if not self._moved:
             return self._cell
-        return np.asarray(next_cell(interval, number, self._cell, self._virial(interval)))
+        return np.asarray(next_cell(interval, number, self._cell, self._virial() if self._following else NOTHING))
 
     def _move_on(self, interval: Deformation, after: FloatArray) -> None:
         """Note that box and walls go to the edge vectors `after` in the next drift."""
@@ -441,17 +444,15 @@ class Engine:
 
     def _sum_exactly(self, interval: Deformation) -> None:
         """Make ready for sums of all virials to the same bits on any number of ranks, if a stress is to be followed."""
-        if any(interval.gain > 0.0):
+        if self._following:
             band = interval.fastest / float(interval.gain.max())  # Pa; of a stress that far off the edges go as fast as they may
             self._unit = 2.0 ** (math.floor(math.log2(band * float(np.prod(self._cell.diagonal())))) - UNITS)
             shares = " ".join(f"d2_shares[{k + 1}]" for k in range(6))
             inputs = " ".join(f"c_shares[{k + 1}]" for k in range(6))
             self._commands(f"compute shares all property/atom {shares}", f"compute whole all reduce sum {inputs}")
 
-    def _virial(self, interval: Deformation) -> FloatArray:
-        """Sum of d F over all contacts in J, shape (3, 3), of which only the diagonal is there; 0 if no stress is followed."""
-        if not any(interval.gain > 0.0):
-            return NOTHING
+    def _virial(self) -> FloatArray:
+        """Sum of d F over all contacts in J, shape (3, 3), of which only the diagonal is there."""
         lammps_forces.round_off_apart(self._own("d2_sums"), self._unit, self._own("d2_shares"))
         found = self._lmp.numpy.extract_compute("whole", 0, 1)
         return np.diag(found[:3] + found[3:6])
@@ -464,7 +465,7 @@ class Engine:
 
     def _drifted(self, walls: FloatArray) -> bool:
         """Whether walls that move by themselves have gone farther than the list of spheres near them allows."""
-        return self._walled is not None and bool(np.abs(walls[:, 2] - self._listed[:, 2]).max() > 0.5 * self._skin)
+        return bool(np.abs(walls[:, 2] - self._listed[:, 2]).max() > 0.5 * self._skin)
 
     def _look_around(self, walls: FloatArray) -> None:
         """Note what is asked for at the end of an interval alone: the deepest overlap of any pair of this rank, and d F across."""
