@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from contactlaws import dispatch, shaped
+from contactlaws import shaped
 from contactlaws.errors import Problem
 from dem.box import Box
 from dem.scene import UNCHANGED, Scene
@@ -15,13 +15,10 @@ from dem.scene import UNCHANGED, Scene
 
 def problems_with(scene: Scene) -> Iterator[Problem]:
     """Yield everything in the scene that this engine does not do."""
-    count, laws = scene.particles.size, {type(contact.normal): contact.normal for contact in scene.contacts}.values()
-    if scene.particles.axes is not None or any(shaped.is_shaped(law) for law in laws):
+    count = scene.particles.size
+    if scene.particles.axes is not None or any(shaped.is_shaped(contact.normal) for contact in scene.contacts):
         yield Problem("particles", "ellipsoids", "are not for the engine lammps", "leave out --engine")
         return
-    for known in map(dispatch.law_of, laws):
-        if known.in_time:
-            yield Problem("law", known.name, "depends on time, which the engine lammps does not know", "leave out --engine")
     if not all(wall or periodic for wall, periodic in zip(scene.walls, scene.box.periodic, strict=True)):
         yield Problem("box", scene.box.periodic, "open axes need walls in the engine lammps", "give them, or make the axes periodic")
     if any(scene.box.tilt) and not (scene.affine and all(scene.box.periodic)):

@@ -15,6 +15,8 @@ import dem
 from contactlaws.elastic import Hertz
 from contactlaws.elastoplastic import Thornton
 from contactlaws.material import Material
+from contactlaws.maxwell_zener_ting import maxwell_zener_ting
+from contactlaws.prony import PronyViscoelastic
 from contactlaws.tangential import damper, mindlin, rolling
 from contactlaws.whole_range import whole_range
 from dem import lammps_run
@@ -44,7 +46,7 @@ def packing(count: int = 200, contact: dem.Contact = SMOOTH, strain: float = 0.0
 
 def faces() -> dem.Scene:
     """A box of which only the faces move, on spheres that have gone through it here and there: each moves with the image that it is."""
-    bed = packing(120, ROUGH, 0.01, 2e5)
+    bed = packing(120, ROUGH, 0.005, 2e5)
     turns = np.random.default_rng(5).integers(-1, 2, size=(120, 3))
     bodies = bed.particles._replace(position=bed.particles.position + turns @ bed.box.cell)
     return dataclasses.replace(bed, particles=bodies, affine=False)
@@ -71,7 +73,7 @@ def walled(contact: dem.Contact = ROUGH) -> dem.Scene:
     place = crystal.position + random.uniform(-0.01, 0.01, crystal.position.shape) * RADIUS
     place[:, 2] += RADIUS - place[:, 2].min()
     lengths = (*crystal.box.lengths[:2], float(place[:, 2].max()) + RADIUS)
-    programme = dem.uniaxial_compression(0.01, strain_rate=2e5)
+    programme = dem.uniaxial_compression(0.005, strain_rate=2e5)
     box = Box(lengths, (True, True, False))
     return dem.Scene(spheres(place, RADIUS, DENSITY), box, contact, programme, walls=(False, False, True), outputs=5, frames=2)
 
@@ -92,6 +94,13 @@ def kinds() -> dem.Scene:
     return dataclasses.replace(bed, particles=bodies, between=((0, 1, mixed), (1, 1, own)))
 
 
+def relaxing() -> dem.Scene:
+    """A law that depends on time, with friction and dampers, pressed and released in times that it sees."""
+    material = PronyViscoelastic(NMC.youngs_modulus, NMC.poissons_ratio, (2e-8, 2e-7), (0.3, 0.3))
+    law = maxwell_zener_ting(material.reduced, RADIUS, NMC.poissons_ratio)
+    return packing(120, ROUGH._replace(normal=law), 0.005, 2e5)
+
+
 #: pressure to hold in Pa
 PRESSURE = 2e8
 #: one of each thing that a scene may have
@@ -103,6 +112,7 @@ SCENES: dict[str, Callable[[], dem.Scene]] = {
     "walled": walled,
     "pressed walls": pressed_walls,
     "kinds": kinds,
+    "relaxing": relaxing,
 }
 
 
