@@ -21,6 +21,8 @@ LEAST_ROUND = 1.0
 #: the factor by which the elastic part of the recovery fades stays above, and the power: below 1/2, where fits take it for indentation, the
 #: recovered overlap leaves the elastic one with a vertical tangent (by half a thousandth within .1 % of the overlap of first yield)
 LEAST_FADING, LEAST_POWER = 0.1, 0.3
+#: the elastic area is the power of that by its slope between this and its inverse
+MOST_POWER = 1.5
 #: for the work of the shape, in v with s = v^3: leaves less than 1e-9 of it
 _NODES, _SHARES = np.polynomial.legendre.leggauss(16)
 
@@ -132,8 +134,8 @@ def shape_slope(terms, s):  # type: ignore[no-untyped-def]
 def area_by_slope(terms, whole, s):  # type: ignore[no-untyped-def]
     """(a/a_max)^2 along the unloading with these terms; `whole` is 2 E* a_max times the recovery over the largest force.
 
-    The stiffness is x times that of the start, which is 1/y of the contact's own 2 E* a_max. What the rest of the body adds to the
-    compliance stays as it is; so a/a_max = x/(x + y (1 - x)).
+    The stiffness is x times that of the start, which is 1/y of the contact's own 2 E* a_max. What the compliance of the finite body differs
+    by from that of the contact (pressed deep, it is stiffer) is taken to stay as it is; so a/a_max = x/(x + y (1 - x)).
     """
     start, slope = shape_slope(terms, 1.0), shape_slope(terms, s)
     if slope >= start:
@@ -155,7 +157,8 @@ def retreat(terms, phi, whole, elastic_whole, own, s):  # type: ignore[no-untype
     _, one, two, three, _, _ = terms
     elastic, power = area_by_slope((1.0, one, two, three, 1.5, 0.0), elastic_whole, s), 1.0
     if own < 1.0 and 0.0 < elastic < 1.0:
-        power += phi * (math.log(own) / math.log(elastic) - 1.0)
+        # where the elastic force of a long body is as steep as at the start, `elastic` is 1 and says nothing
+        power += phi * (min(MOST_POWER, max(1.0 / MOST_POWER, math.log(own) / math.log(elastic))) - 1.0)
     return area_by_slope(terms, whole, s) ** power
 
 

@@ -31,7 +31,7 @@ class TimeWalk(NamedTuple):
     time: FloatArray  # s
     overlap: FloatArray
     force: FloatArray
-    edge: FloatArray  # contact radius, to half an element
+    edge: FloatArray  # contact radius, see `fem.branch.contact_edge`
     segment: IntArray
     by_force: BoolArray  # the force was prescribed, not the overlap
     control: FloatArray  # what was prescribed
