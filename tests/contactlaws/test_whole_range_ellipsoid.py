@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import fem
@@ -92,6 +92,22 @@ def test_force_and_area_are_continuous_where_unloading_starts(modulus, nu, share
     assert contact_radius(law, shape, top * (1.0 - 1e-9), after) == pytest.approx(area, rel=1e-3)
     again, _ = force(law, shape, top * (1.0 + 1e-9), after)
     assert again == pytest.approx(load, rel=1e-4)
+
+
+@pytest.mark.compiled_only("thousands of evaluations of long polynomials")
+@settings(max_examples=60, deadline=None)
+@given(MODULUS, NU, SHAPE, st.floats(1.0, 5.0), st.floats(1e-3, FARTHEST))
+@example(427.92, 0.0, -0.8451, 2.961, FARTHEST)  # its elastic force is as steep at .89 of the way as at the start
+@example(386.0, 0.0, -0.7966, 1.513, 0.1991)
+def test_the_contact_never_grows_while_it_is_let_go(modulus, nu, share, ratio, deepest):
+    law, shape = whole_range_ellipsoid(Material(modulus, nu, 1.0)), shape_of(share, ratio)
+    top = deepest * shape[2]
+    _, memory = force(law, shape, top, untouched(law))
+    _, memory = force(law, shape, top * (1.0 - 1e-9), memory)
+    radius = np.array([contact_radius(law, shape, float(overlap), memory) for overlap in np.linspace(top, 0.0, 4000)])
+    assert np.isfinite(radius).all()
+    assert (np.diff(radius) <= 1e-9 * radius[0]).all()
+    assert radius[-1] == 0.0
 
 
 @settings(max_examples=30, deadline=None)
