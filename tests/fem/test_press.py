@@ -385,6 +385,7 @@ def test_the_curve_ends_where_the_mesh_does():
     assert rise.max() < 6.0  # F d/W: 2 in full plasticity, growing towards the end; that landing would make it 35
 
 
+@compiled_only
 def test_the_contact_never_grows_while_it_is_let_go():
     """Also of unloadings that are carried from those that were computed, at many overlaps."""
     curve = press(Material(100.0, 0.3, 1.0), unload_from=(0.01, 0.05, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5))
