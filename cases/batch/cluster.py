@@ -7,6 +7,7 @@ itself, so it doesn't matter who dies: client, scheduler or worker. Workers may 
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import contextlib
 import queue
 import time
@@ -137,7 +138,7 @@ class DaskCluster:
             if future.status == "finished":
                 return Done(job, future.result(timeout=CONNECT_SECONDS))
             error = future.exception(timeout=CONNECT_SECONDS)
-        except asyncio.CancelledError:
+        except (asyncio.CancelledError, concurrent.futures.CancelledError):
             return None
         except (OSError, TimeoutError, self._distributed.scheduler.KilledWorker):
             return Died(job, 0)  # its worker was lost before it could pass the record on

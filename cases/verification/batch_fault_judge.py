@@ -66,7 +66,7 @@ def judged(row: str, done: str, folder: Path, code: int, killed: Sequence[int], 
         text += f", {found.failed} failed"
     text += f", {len(killed)} killed at work; {found.again} twice, {found.together} at once"
     if not expected.lethal and folder != reference:
-        text += "; tables differ" if any("differs" in word for word in wrong) else "; same tables"
+        text += "; tables differ" if any("differs" in word or "is missing" in word for word in wrong) else "; same tables"
     return Verdict(row, done, wanted, text + "".join(f"; WRONG: {word}" for word in wrong), not wrong)
 
 
@@ -129,7 +129,9 @@ def together(log: Sequence[Line]) -> int:
 def different_tables(folder: Path, reference: Path) -> Iterator[str]:
     """Tables that are not the same to the bit, but for the time that was measured."""
     for name in TABLES:
-        if without_times(folder / name) != without_times(reference / name):
+        if not (folder / name).exists():
+            yield f"{name} is missing"
+        elif without_times(folder / name) != without_times(reference / name):
             yield f"{name} differs"
     case, other = results.load_case(folder)[1], results.load_case(reference)[1]
     if [_hash(record) for record in case] != [_hash(record) for record in other]:

@@ -78,6 +78,11 @@ class Place:
         last = [found[-1] for found in solver_runs.lines(self.runs).values() if found]
         return [line.process for line in last if line.what == "begin" and alive(line.process)]
 
+    def workers(self) -> list[int]:
+        """Processes that have pressed a body, and are there."""
+        known = {line.process for found in solver_runs.lines(self.runs).values() for line in found}
+        return [process for process in sorted(known) if alive(process)]
+
     def ended(self) -> int:
         """How many runs of the solver have come to their end."""
         return sum(line.what == "end" for found in solver_runs.lines(self.runs).values() for line in found)
@@ -151,9 +156,9 @@ def dask_scheduler(place: Place) -> int:
     with place.cluster() as cluster:
         run = place.run("--scheduler", cluster.address)
         until(lambda: place.ended() >= BODIES // 3 and bool(place.begun()))
-        at_work = place.begun()
+        workers = place.workers()  # until its own end comes, each may begin one more of the bodies that it holds
         cluster.kill()
-        place.killed += at_work
+        place.killed += workers
         cluster.start()
         return run.wait()
 

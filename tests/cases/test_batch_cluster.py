@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import contextlib
 import os
 import random
@@ -21,6 +23,7 @@ import pytest
 from cases.batch import runner, store
 from cases.batch.cluster import DaskCluster
 from cases.batch.task import Task
+from cases.batch.worker import Job
 from cases.verification.dask_processes import DaskProcesses, until
 from contactlaws.errors import InputError
 from tests.cases.stand_in import Silent, alive, begun, make, prepared, run_on_dask, task, traced, whole
@@ -138,6 +141,21 @@ def test_one_scheduler_serves_two_folders(cluster: Any, tmp_path: Path) -> None:
         for folder, workers in zip(folders, (first, second), strict=True):
             runner.run([task("a")], folder, workers, Silent(), make)
             assert store.load(folder, "curves.a", task("a").key, verify=True) is not None
+
+
+@pytest.mark.parametrize("cancelled", [asyncio.CancelledError, concurrent.futures.CancelledError])
+def test_a_job_that_is_lost_with_its_scheduler_after_it_was_done_is_no_error(cluster: Any, tmp_path: Path, cancelled: type) -> None:
+    """Its record is on the disk; that it could not be fetched any more says only that the scheduler is gone."""
+    store.prepare(tmp_path)
+
+    class Lost:
+        status = "finished"
+
+        def result(self, timeout: float) -> None:
+            raise cancelled
+
+    with DaskCluster(cluster.scheduler_address, tmp_path) as workers:
+        assert workers._outcome(Lost(), Job(task("a"), str(tmp_path), {})) is None
 
 
 def test_a_client_that_is_killed_loses_nothing(cluster: Any, tmp_path: Path) -> None:
