@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from cases.batch import index, results, runner, store, tables
+from cases.batch import results, runner, store, tables
 from cases.batch.local import LocalProcesses
 from cases.batch.plan import plan
 from cases.batch.store import Record
@@ -77,8 +77,6 @@ def run_tasks(
         records = runner.run(tasks, folder, workers, progress, make)
     progress.summarise(records.values())
     written = tables.write(folder, tasks, records)
-    if len(tasks) >= index.WORTH:
-        index.all_records(folder)  # so that `fe2dem status` needs not read them one by one
     if written:
         print(f"tables: {', '.join(path.name for path in written)} in {folder}")
     return records

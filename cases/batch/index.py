@@ -1,6 +1,6 @@
-"""All records of a folder at once. Where they are many, what was read before is kept in one file: reading 100 000 small ones takes long.
+"""All records of a folder at once: where they are many, what was noted of them when they were saved is read in place of their files.
 
-The file is a convenience: what it says of a record counts only while size and time of the record's own file are the same.
+The notes are a convenience: what one says of a record counts only while size and time of the record's own file are the same.
 """
 
 from __future__ import annotations
@@ -9,20 +9,15 @@ import contextlib
 import gc
 import json
 import os
-from collections.abc import Iterator
-from dataclasses import asdict
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases.batch.store import Record, record_in
-from contactlaws.errors import InputError
-from contactlaws.files import write_atomically
+from cases.batch import shards, store
+from cases.batch.store import Record, Stamp
 
-FORMAT = "fe2dem records 1"
-#: fewer new records are not worth writing the file anew
+#: fewer are read one by one, and fewer that there is no note of are not worth to be noted anew
 WORTH = 2000
-
-Stamp = tuple[int, int]  # time in ns, bytes
 
 
 def all_records(folder: Path) -> dict[str, Record]:
@@ -45,59 +40,45 @@ def no_garbage() -> Iterator[None]:
 
 def _read(folder: Path) -> dict[str, Record]:
     stamps = dict(_stamps(folder))
-    known = _known(folder / "tasks" / ".records") if len(stamps) >= WORTH else {}
-    records: dict[str, Record] = {}
-    new = 0
-    for name, stamp in stamps.items():
-        before = known.get(name)
-        if before is not None and tuple(before[0]) == stamp:
-            records[name] = before[1]
-            continue
-        new += 1
-        try:
-            with open(f"{folder}/tasks/{name}", "rb") as file:
-                records[name] = record_in(file.read())
-        except (OSError, ValueError, TypeError):
-            continue
-    if new >= WORTH:
-        _keep(folder / "tasks" / ".records", records, stamps)
+    notes = shards.read(folder, store.NOTES) if len(stamps) >= WORTH else shards.Found([], [])
+    records = dict(_believed(notes.entries, stamps))
+    believed = len(records)
+    records.update(_one_by_one(folder, [name for name in stamps if name not in records]))
+    if len(records) - believed >= WORTH:
+        texts = (store.noted(name, stamps[name], json.dumps(vars(record))) for name, record in records.items())
+        shards.put_together(folder, store.NOTES, texts, notes.files)
     return records
 
 
 def _stamps(folder: Path) -> Iterator[tuple[str, Stamp]]:
     try:
         with os.scandir(folder / "tasks") as entries:
-            for entry in entries:
-                if entry.name.endswith(".json"):
-                    found = entry.stat()
-                    yield entry.name, (found.st_mtime_ns, found.st_size)
+            yield from ((entry.name, store.stamp(entry.stat())) for entry in entries if entry.name.endswith(".json"))
     except OSError:
         return
 
 
-def _known(path: Path) -> dict[str, tuple[Stamp, Record]]:
-    """What was kept; nothing if the file is missing, torn, or of another release."""
-    try:
-        with path.open(encoding="utf-8") as file:
-            if json.loads(file.readline()) != FORMAT:
-                return {}
-            return {name: (stamp, _record(content)) for name, stamp, content in map(json.loads, file)}
-    except (OSError, ValueError, TypeError):
-        return {}
+def _believed(entries: Iterable[Any], stamps: Mapping[str, Stamp]) -> Iterator[tuple[str, Record]]:
+    """What notes say of the files that are there; a note of another release may say what is no record here."""
+    for entry in entries:
+        try:
+            name, time, size, content = entry
+            if stamps.get(name) == (time, size) and _named(record := store.record_of(content), name):
+                yield name, record
+        except (ValueError, TypeError, AttributeError):
+            continue
 
 
-def _record(content: dict[str, Any]) -> Record:
-    content["sizes"] = {name: tuple(size) for name, size in content["sizes"].items()}
-    return Record(**content)
+def _one_by_one(folder: Path, names: Iterable[str]) -> Iterator[tuple[str, Record]]:
+    for name in names:
+        try:
+            with open(f"{folder}/tasks/{name}", "rb") as file:
+                if _named(record := store.record_in(file.read()), name):
+                    yield name, record
+        except (OSError, ValueError, TypeError, AttributeError):
+            continue
 
 
-def _keep(path: Path, records: dict[str, Record], stamps: dict[str, Stamp]) -> None:
-    def write(file: Path) -> None:
-        with file.open("w", encoding="utf-8") as out:
-            out.write(json.dumps(FORMAT) + "\n")
-            out.writelines(json.dumps([name, stamps[name], asdict(record)]) + "\n" for name, record in records.items())
-
-    try:
-        write_atomically(path, write)
-    except InputError:  # a folder that may only be read
-        return
+def _named(record: Record, name: str) -> bool:
+    """Whether a record is what the name of its file says."""
+    return store.record_name(record.task, record.key) == name

@@ -59,7 +59,8 @@ class LocalProcesses:
         method = method or ("forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn")
         self._context: Any = multiprocessing.get_context(method)
         if method == "forkserver":
-            self._context.set_forkserver_preload(["cases.batch.worker", *(f"cases.batch.work.{kind}" for kind in kinds)])
+            rows = ["calibration.unloadings"] if "curves" in kinds else []  # whoever makes a curve notes its rows of the table
+            self._context.set_forkserver_preload(["cases.batch.worker", *(f"cases.batch.work.{kind}" for kind in kinds), *rows])
         self.jobs = jobs
         self._idle: list[_Worker] = []
         self._busy: dict[Any, tuple[_Worker, Job]] = {}  # by pipe

@@ -24,6 +24,7 @@ NO_NUMBERS = (
     "contactlaws.files",
     "contactlaws.json_input",
     "contactlaws.sources",
+    "contactlaws.unloading_table",
     "contactlaws.version",
     "cases",
 )

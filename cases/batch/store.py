@@ -2,6 +2,7 @@
 
 DIR/case.json               what the last run wanted: title, where the case file is, and the tasks in their order
 DIR/tasks/KIND-KEY.json     one record per task; it appears last, when the files that it names are complete and on the disk
+DIR/tasks/.index/           what the records say, and rows of tables, noted once more so that many are read fast (`cases.batch.shards`)
 DIR/curves/, fits/, ...     the files themselves, with the same KEY in their names
 
 A record holds size and hash of each of its files: what a power cut or a full disk has left torn is found, and made again.
@@ -20,12 +21,17 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from cases.batch import shards
 from contactlaws.errors import InputError, Problem, require
-from contactlaws.files import write_text
+from contactlaws.files import write_atomically, write_text
 
+NOTES = "records"  # the kind of shards that tell of records
 FINISHED = ("done", "stopped")  # states whose results can be used
 #: bytes that a run takes at least; a curve with 14 unloadings takes about 35 kB, and files come in blocks of 4 kB
 SPACE = {"curves": 60_000, "fits": 16_000}
+
+
+Stamp = tuple[int, int]  # of a file: time in ns, bytes
 
 
 @dataclass(frozen=True)
@@ -68,17 +74,39 @@ def hash_of(*parts: object) -> str:
 
 def record_path(folder: Path, task: str, key: str) -> Path:
     """Where the record of a task stands: whatever the task is called, the same result is found again."""
-    return folder / "tasks" / f"{task.split('.', 1)[0]}-{key}.json"
+    return folder / "tasks" / record_name(task, key)
+
+
+def record_name(task: str, key: str) -> str:
+    """The name of the record's file there."""
+    return f"{task.split('.', 1)[0]}-{key}.json"
 
 
 def save(folder: Path, record: Record) -> Record:
-    """Make a record known, once its files are on the disk; returns it with their sizes and hashes."""
+    """Make a record known, once its files are on the disk, and note what it says; returns it with their sizes and hashes."""
     whole = replace(record, sizes={name: _size_and_hash(folder / file) for name, file in record.files.items()})
     path = record_path(folder, record.task, record.key)
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, json.dumps(asdict(whole), default=_plain) + "\n")
+    text, stamps = json.dumps(asdict(whole), default=plain), list[Stamp]()
+
+    def write(file: Path) -> None:
+        file.write_text(f"{text}\n", encoding="utf-8")
+        stamps.append(stamp(file.stat()))  # of this very file: at the record's own place another process may put its own meanwhile
+
+    write_atomically(path, write)
     _sync_folder(path.parent)
+    shards.add(folder, NOTES, noted(path.name, stamps[0], text))
     return whole
+
+
+def stamp(found: os.stat_result) -> Stamp:
+    """What tells a file from another that has taken its place since."""
+    return found.st_mtime_ns, found.st_size
+
+
+def noted(name: str, of: Stamp, text: str) -> str:
+    """What is noted of a record: the name of its file, its stamp, and its JSON text."""
+    return f'["{name}", {of[0]}, {of[1]}, {text}]'
 
 
 def load(folder: Path, task: str, key: str, verify: bool = False) -> Record | None:
@@ -98,22 +126,30 @@ def load(folder: Path, task: str, key: str, verify: bool = False) -> Record | No
 
 def is_whole(folder: Path, record: Record, verify: bool = False) -> bool:
     """Whether all files of a record are there with the size that they were written with and, with `verify`, the same bytes."""
-    return all(_whole(f"{folder}/{file}", record.sizes[name], verify) for name, file in record.files.items())
+    try:
+        for name, file in record.files.items():
+            path, size = f"{folder}/{file}", record.sizes[name]
+            if _size_and_hash(Path(path)) != size if verify else _bytes_in(path) != size[0]:
+                return False
+    except OSError:
+        return False
+    return True
 
 
 def record_in(text: bytes | str) -> Record:
     """A record from its JSON text; raises `ValueError` or `TypeError` if it is none, or torn."""
-    content = json.loads(text)
-    if not isinstance(content, dict) or set(content.get("sizes", ())) != set(content.get("files", ())):
+    return record_of(json.loads(text))
+
+
+def record_of(content: Any) -> Record:
+    """`record_in` for what the JSON says; `content` becomes the record's own."""
+    if not isinstance(content, dict):
         raise ValueError("is no record")
-    return Record(**{**content, "sizes": {name: tuple(size) for name, size in content.get("sizes", {}).items()}})
-
-
-def _whole(path: str, size: tuple[int, str], verify: bool) -> bool:
-    try:
-        return _size_and_hash(Path(path)) == size if verify else _bytes_in(path) == size[0]
-    except OSError:
-        return False
+    sizes, files = content.get("sizes", {}), content.get("files", {})
+    if not isinstance(sizes, dict) or not isinstance(files, dict) or sizes.keys() != files.keys():
+        raise ValueError("does not say how large its files are")
+    content["sizes"] = {name: tuple(size) for name, size in sizes.items()}
+    return Record(**content)
 
 
 def _bytes_in(path: str) -> int:
@@ -182,9 +218,9 @@ def problems_with_writing(name: str, folder: Path) -> Iterator[Problem]:
 def write_json(path: Path, value: object) -> None:
     """JSON by atomic rename."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, json.dumps(value, default=_plain) + "\n")
+    write_text(path, json.dumps(value, default=plain) + "\n")
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """numpy's numbers and arrays as JSON has them."""
     return value.tolist() if hasattr(value, "tolist") else str(value)

@@ -17,30 +17,6 @@ from contactlaws.curve import QUANTITIES
 from contactlaws.files import write_text
 
 CURVES, UNLOADINGS = "curves.csv", "unloadings"
-#: columns of curves.csv; SI units stand in the names
-COLUMNS = (
-    "curve",
-    "state",
-    "reason",
-    "youngs_modulus_Pa",
-    "poissons_ratio",
-    "yield_stress_Pa",
-    "radius_m",
-    "aspect",
-    "tolerance",
-    "max_overlap_m",
-    "max_force_N",
-    "unloadings",
-    "yield_overlap_m",
-    *(f"error_{name}" for name in QUANTITIES),
-    "states",
-    "solver_cpu_seconds",
-    "cpu_seconds",
-    "hash",
-    "key",
-    "code",
-    "file",
-)
 
 
 def write(folder: Path, tasks: Sequence[Task], records: Mapping[str, Record]) -> list[Path]:
@@ -50,11 +26,12 @@ def write(folder: Path, tasks: Sequence[Task], records: Mapping[str, Record]) ->
         for name in (CURVES, f"{UNLOADINGS}.csv", f"{UNLOADINGS}.parquet"):
             (folder / name).unlink(missing_ok=True)
         return []
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
     with no_garbage():
-        writer.writerows(list(_row(task, record).values()) for task, record in curves)
+        columns = _columns(curves)
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
         unloadings = unloading_rows.write(folder, [record for _, record in curves if record.usable], UNLOADINGS)
     return [write_text(folder / CURVES, text.getvalue()), *unloadings]
 
@@ -63,34 +40,36 @@ def write_again(folder: Path) -> list[Path]:
     """`write` for what is there of the last run; raises `InputError` if nothing was run there."""
     with no_garbage():
         case, found = load_case(folder)
-    names = [item["task"].split(".", 1) for item in case["tasks"]]
-    tasks = [Task(kind, name, item["values"], key=item["key"]) for (kind, name), item in zip(names, case["tasks"], strict=True)]
-    return write(folder, tasks, {record.task: record for record in found if record is not None})
+        names = [item["task"].split(".", 1) for item in case["tasks"]]
+        tasks = [Task(kind, name, item["values"], key=item["key"]) for (kind, name), item in zip(names, case["tasks"], strict=True)]
+        return write(folder, tasks, {record.task: record for record in found if record is not None})
 
 
-def _row(task: Task, record: Record) -> dict[str, Any]:
-    values, summary = task.values, record.summary
-    material = values["material"]
+def _columns(curves: Sequence[tuple[Task, Record]]) -> dict[str, list[Any]]:
+    """The columns of curves.csv by their names, in which SI units stand."""
+    values, records = [task.values for task, _ in curves], [record for _, record in curves]
+    materials, summaries = [value["material"] for value in values], [record.summary for record in records]
+    errors = [summary.get("errors", {}) for summary in summaries]
     return {
-        "curve": task.name,
-        "state": record.state,
-        "reason": record.reason,
-        "youngs_modulus_Pa": material["youngs_modulus"],
-        "poissons_ratio": material["poissons_ratio"],
-        "yield_stress_Pa": material["yield_stress"],
-        "radius_m": values["radius"],
-        "aspect": values["aspect"],
-        "tolerance": values["tolerance"],
-        "max_overlap_m": summary.get("max_overlap"),
-        "max_force_N": summary.get("max_force"),
-        "unloadings": summary.get("unloadings"),
-        "yield_overlap_m": summary.get("yield_overlap"),
-        **{f"error_{name}": summary.get("errors", {}).get(name) for name in QUANTITIES},
-        "states": summary.get("states"),
-        "solver_cpu_seconds": summary.get("cost"),
-        "cpu_seconds": record.cpu_seconds,
-        "hash": summary.get("hash"),
-        "key": task.key,
-        "code": record.code,
-        "file": record.files.get("curve"),
+        "curve": [task.name for task, _ in curves],
+        "state": [record.state for record in records],
+        "reason": [record.reason for record in records],
+        "youngs_modulus_Pa": [material["youngs_modulus"] for material in materials],
+        "poissons_ratio": [material["poissons_ratio"] for material in materials],
+        "yield_stress_Pa": [material["yield_stress"] for material in materials],
+        "radius_m": [value["radius"] for value in values],
+        "aspect": [value["aspect"] for value in values],
+        "tolerance": [value["tolerance"] for value in values],
+        "max_overlap_m": [summary.get("max_overlap") for summary in summaries],
+        "max_force_N": [summary.get("max_force") for summary in summaries],
+        "unloadings": [summary.get("unloadings") for summary in summaries],
+        "yield_overlap_m": [summary.get("yield_overlap") for summary in summaries],
+        **{f"error_{name}": [error.get(name) for error in errors] for name in QUANTITIES},
+        "states": [summary.get("states") for summary in summaries],
+        "solver_cpu_seconds": [summary.get("cost") for summary in summaries],
+        "cpu_seconds": [record.cpu_seconds for record in records],
+        "hash": [summary.get("hash") for summary in summaries],
+        "key": [task.key for task, _ in curves],
+        "code": [record.code for record in records],
+        "file": [record.files.get("curve") for record in records],
     }

@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cases.batch import attempts, store
+from cases.batch import attempts, store, unloading_rows
 from cases.batch.claims import claimed
 from cases.batch.store import Record
 from cases.batch.task import Task
@@ -129,9 +129,11 @@ def _libraries(make: Make) -> Any:
 
 def _saved(folder: Path, record: Record) -> Record:
     try:
-        return store.save(folder, record)
+        whole = store.save(folder, record)
     except (OSError, InputError) as error:
         return Record(record.task, record.key, **_failure(error), code=record.code, input=record.input)
+    unloading_rows.note(folder, whole)
+    return whole
 
 
 def _failure(error: Exception) -> dict[str, Any]:

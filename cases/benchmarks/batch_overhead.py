@@ -1,12 +1,13 @@
 """What the batches themselves cost: time per task where the tasks cost nothing, and a folder of very many results.
 
     python -m cases.benchmarks.batch_overhead tasks [--count 10000] [--jobs 2] [--scheduler ADDRESS | --dask]
-    python -m cases.benchmarks.batch_overhead folder [--count 100000] [--in FOLDER]
+    python -m cases.benchmarks.batch_overhead folder [--count 100000] [--unloadings 1] [--in FOLDER]
 
 `tasks` runs a study of so many curves, each of them by Hertz's formula in place of finite elements, from the TOML file to the tables, and
 then once more, with everything reused. --dask starts a scheduler with so many workers as --jobs says. `folder` fills a folder with the
 results of such a study (or takes the one that --in names), and times `fe2dem status`, the tables and the report on it, each in a new
-process: the first time, again, and after a hundredth of the results has changed.
+process: first (a folder just filled is as a run leaves it, killed or not); again; after a hundredth of the results has changed; and
+without the notes that processes leave of what they made, as in a folder of an older release.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -26,7 +28,7 @@ from pathlib import Path
 import numpy as np
 
 from cases import study
-from cases.batch import results, store, unloading_rows
+from cases.batch import results, shards, store, unloading_rows
 from cases.batch.plan import plan
 from cases.batch.store import Record
 from cases.batch.task import Task
@@ -42,12 +44,13 @@ from contactlaws.path import scan
 from contactlaws.version import code_version
 
 GOAL_TASK, GOAL_FOLDER = 0.020, 10.0  # s per task of 10 000; s for status or tables of 100 000
-STATES = 12
-UNLOADED = 0.5  # of the largest overlap, at the end of the one unloading
+STATES = 12  # of the loading, and of each unloading
+DEEPEST = 0.05  # overlap over the radius
 
 
-def study_text(count: int) -> str:
-    """A study of so many elastic curves (a multiple of ten)."""
+def study_text(count: int, unloadings: int = 1) -> str:
+    """A study of so many elastic curves (a multiple of ten), each with so many unloadings."""
+    starts = [round(DEEPEST * number / unloadings, 6) for number in range(1, unloadings + 1)]
     return f"""
 title = "{count} curves that cost nothing"
 [materials.m]
@@ -57,30 +60,30 @@ poissons_ratio = {{ from = 0.0, to = 0.45, count = 10 }}
 material = "m"
 radius = "5 um"
 elastic = true
-unload_from = [0.05]
+unload_from = {starts}
 tolerance = 0.05
 """
 
 
 def formula(task: Task, folder: Path, made: Mapping[str, Record], report: Report) -> Outcome:
-    """Hertz's curve with one unloading, written and recorded like one by finite elements."""
+    """Hertz's curve with its unloadings, written and recorded like one by finite elements."""
     material = Material(**task.values["material"])
     law = Hertz(task.values["radius"], material.reduced_modulus)
-    most = task.values["unload_from"][0] * law.radius
-    way = np.concatenate((np.linspace(0.0, most, STATES), np.linspace(most, 0.0, STATES)))
-    branch = np.repeat(np.arange(2, dtype=np.int64), STATES)
+    starts = [overlap * law.radius for overlap in task.values["unload_from"]]
+    way = np.concatenate([np.linspace(0.0, starts[-1], STATES), *(np.linspace(start, 0.0, STATES) for start in starts)])
+    branch = np.repeat(np.arange(1 + len(starts), dtype=np.int64), STATES)
     force, radius = scan(law, way).force, np.sqrt(law.radius * way)
-    curve = Curve(np.arange(2.0 * STATES), way, force, branch, contact_radius=radius, radius=law.radius, material=material)
+    curve = Curve(np.arange(float(way.size)), way, force, branch, contact_radius=radius, radius=law.radius, material=material)
     file = place(folder, task, ".parquet")
     write_curve(curve, file)
     summary = {
         "hash": curve.content_hash,
         "errors": {},
         "cost": 0.0,
-        "states": 2 * STATES,
-        "unloadings": 1,
-        "max_overlap": most,
-        "max_force": float(force[STATES]),
+        "states": way.size,
+        "unloadings": len(starts),
+        "max_overlap": starts[-1],
+        "max_force": float(force[STATES - 1]),
         "yield_overlap": None,
         "yield_place": None,
         "process": os.getpid(),
@@ -89,11 +92,11 @@ def formula(task: Task, folder: Path, made: Mapping[str, Record], report: Report
     return {"curve": relative(file, folder)}, summary, None
 
 
-def written(folder: Path, count: int) -> Path:
+def written(folder: Path, count: int, unloadings: int = 1) -> Path:
     """The study's file."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "many.toml"
-    path.write_text(study_text(count), encoding="utf-8")
+    path.write_text(study_text(count, unloadings), encoding="utf-8")
     return path
 
 
@@ -120,30 +123,31 @@ def time_tasks(folder: Path, count: int, jobs: int, scheduler: str | None) -> No
         )
 
 
-def fill(folder: Path, count: int) -> None:
+def fill(folder: Path, count: int, unloadings: int) -> None:
     """The results of a study: records as workers write them, all with copies of the same curve, and none waited for to reach the disk."""
-    source = written(folder, count)
+    source = written(folder, count, unloadings)
     tasks = plan(read_case(source, lambda tasks: True), folder)
     out = folder / "results"
     store.prepare(out, Counter(task.kind for task in tasks))
     results.declare(out, f"{count} results", source, code_version(), tasks)
     first = perform(Job(tasks[0], str(out), {}, formula))
-    content = (out / first.files["curve"]).read_bytes()
+    content, rows = (out / first.files["curve"]).read_bytes(), unloading_rows.text_of(out, first)
     files._to_disk = store._sync_folder = lambda path: None  # type: ignore[assignment]
     for task in tasks[1:]:
         path = place(out, task, ".parquet")
         path.write_bytes(content)
-        store.save(out, replace(first, task=task.id, key=task.key, input=task.input, files={"curve": relative(path, out)}))
+        made = replace(first, task=task.id, key=task.key, input=task.input, files={"curve": relative(path, out)})
+        shards.add(out, unloading_rows.KIND, unloading_rows.noted(store.save(out, made), rows))
 
 
 def time_folder(folder: Path, count: int) -> None:
-    """Status, tables and report of many results; the first time, again, and after changes."""
+    """Status, tables and report of many results, as often as the head of this file says."""
     out = folder / "results"
-    for path in (out / "tasks" / ".records", out / unloading_rows.PLACE):
-        path.unlink(missing_ok=True)
-    for turn in ("first time", "again", "a hundredth changed"):
+    for turn in ("first", "again", "a hundredth changed", "without notes"):
         if turn == "a hundredth changed":
             _change(out, count // 100)
+        elif turn == "without notes":
+            shutil.rmtree(shards.place(out))
         for name, code in COMMANDS.items():
             began = time.perf_counter()
             done = subprocess.run([sys.executable, "-c", code, str(out)], check=True, capture_output=True, text=True)
@@ -152,12 +156,12 @@ def time_folder(folder: Path, count: int) -> None:
 
 
 def _change(out: Path, number: int) -> None:
-    """Records as if they had been made anew, with another summary."""
+    """Curves as if they had been made anew, and had stopped."""
     for path in sorted((out / "tasks").glob("*.json"))[:number]:
         record = store.record_in(path.read_bytes())
         curve = replace(read_curve(out / record.files["curve"]), stopped="changed")
         write_curve(curve, out / record.files["curve"])
-        store.save(out, replace(record, summary={**record.summary, "hash": curve.content_hash}))
+        unloading_rows.note(out, store.save(out, replace(record, summary={**record.summary, "hash": curve.content_hash})))
 
 
 TELL = "; import time; print(time.process_time())"
@@ -186,6 +190,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m cases.benchmarks.batch_overhead", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("what", choices=("tasks", "folder"))
     parser.add_argument("--count", type=int, help="tasks, or results; default 10000, or 100000")
+    parser.add_argument("--unloadings", type=int, default=1, help="of each curve in a folder; default 1")
     parser.add_argument("--jobs", type=int, default=2, help="processes; default 2")
     parser.add_argument("--scheduler", help="address of a Dask scheduler")
     parser.add_argument("--dask", action="store_true", help="start one")
@@ -200,7 +205,7 @@ def main(arguments: list[str] | None = None) -> None:
             return
         if not (folder / "results").exists():
             began = time.perf_counter()
-            fill(folder, count)
+            fill(folder, count, given.unloadings)
             print(f"filled in {time.perf_counter() - began:.0f} s")
         time_folder(folder, count)
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from calibration.unloadings import table_rows, write_table
+from calibration.unloadings import table_rows
 from cases.batch.store import problems_with_folder
 from cases.edmans_sinka_2020 import (
     figures_cylinder,
@@ -30,6 +30,7 @@ from cases.report import judgement, plots
 from cases.tradeoff.page import write_csv
 from contactlaws.errors import InputError, require
 from contactlaws.files import write_text
+from contactlaws.unloading_table import write_table
 
 
 def make(

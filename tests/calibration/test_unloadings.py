@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.unloadings import UNITS, heading, power_law, table_rows, unloading, unloadings, write_table
+from calibration.unloadings import power_law, table_rows, unloading, unloadings
 from contactlaws.curve import Curve
 from contactlaws.errors import InputError
 from contactlaws.material import Material
+from contactlaws.unloading_table import UNITS, heading, write_table
 
 STEEL = Material(200e9, 0.3, 1e9)
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from cases import study
-from cases.batch import pace, results, store
+from cases.batch import pace, store
 from cases.batch.local import Done
-from cases.batch.store import Record, hash_of
+from cases.batch.store import Record
 from cases.batch.task import Task
 from cases.batch.worker import perform
 from cases.command import BAD_INPUT, FAILED, execute
@@ -247,24 +247,6 @@ def test_a_note_of_a_run_that_was_killed_is_not_believed(tmp_path: Path) -> None
 def test_reasons_are_grouped_and_the_most_frequent_come_first() -> None:
     records = [Record(f"curves.{n}", "k", "failed", "rare" if n == 3 else "often") for n in range(9)]
     assert next(iter(reasons(records))).endswith("curves.0 and 7 more: often")
-
-
-def test_what_is_kept_of_many_records_is_believed_only_while_it_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cases.batch.index.WORTH", 3)
-    (tmp_path / "tasks").mkdir()
-    tasks = [Task("curves", f"t{n}", {}, key=hash_of(n), input=hash_of("i", n)) for n in range(5)]
-    results.declare(tmp_path, "title", tmp_path / "case.toml", "code", tasks)
-    for task in tasks:
-        store.save(tmp_path, Record(task.id, task.key, "done", input=task.input))
-    for _ in range(2):  # read, then from what was kept
-        assert [record.state for record in results.listing(tmp_path).records if record is not None] == ["done"] * 5
-    assert (tmp_path / "tasks" / ".records").exists()
-    store.save(tmp_path, Record(tasks[1].id, tasks[1].key, "failed", "since then", input=tasks[1].input))
-    store.record_path(tmp_path, tasks[2].id, tasks[2].key).unlink()
-    states = [None if record is None else record.state for record in results.listing(tmp_path).records]
-    assert states == ["done", "failed", None, "done", "done"]
-    (tmp_path / "tasks" / ".records").write_text('"fe2dem records 1"\n["torn')
-    assert [None if record is None else record.state for record in results.listing(tmp_path).records] == states
 
 
 def test_without_a_person_the_library_refuses_many(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from cases.batch import index, shards, store
 from tests.cases import stand_in
 from tests.cases.stand_in import alive, begun, prepared, run_traced, task, whole
 
@@ -31,10 +32,24 @@ def kill_one(folder: Path, chance: random.Random) -> bool:
 
 
 def judge(folder: Path, lost_at_most: int) -> None:
-    """Every task has its whole record; none was begun when it was done, nor while another was at it; few were begun in vain."""
+    """Every task has its whole record; none was begun when it was done, nor while another was at it; few were begun in vain.
+
+    And the index tells what the records say; without opening them, but for those whose processes were killed before they could note it.
+    """
     tasks = [task(f"t{number}") for number in range(TASKS)]
     assert [one.name for one in tasks if not whole(folder, one)] == []
     assert begun(folder, tasks) - TASKS <= lost_at_most
+    records = {path.name: store.record_in(path.read_bytes()) for path in (folder / "tasks").glob("*.json")}
+    noted = [entry[0] for entry in shards.read(folder, store.NOTES).entries]
+    assert len(records) - len(set(noted) & records.keys()) <= lost_at_most
+    assert len(noted) == len(set(noted))
+    assert index.all_records(folder) == records
+
+
+@pytest.fixture(autouse=True)
+def few_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Notes are read where there are as many results as here."""
+    monkeypatch.setattr(index, "WORTH", TASKS)
 
 
 def test_thirty_kills_at_random_moments(tmp_path: Path) -> None:

@@ -9,14 +9,14 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from calibration import unloadings
 from cases.report import history
 from cases.tradeoff import page
+from contactlaws import unloading_table
 from contactlaws.version import code_version
 
 
 def _unloadings(folder: Path) -> Path:
-    return unloadings.write_table([dict.fromkeys(unloadings.UNITS)], folder / "table.parquet")
+    return unloading_table.write_table([dict.fromkeys(unloading_table.UNITS)], folder / "table.parquet")
 
 
 def _scene(folder: Path) -> Path:
