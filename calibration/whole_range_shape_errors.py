@@ -52,7 +52,8 @@ def errors(body: Pressed, c: FloatArray, one: Unloading) -> Errors:
     back = np.linspace(first, one.depth, STEPS + 1)
     left = np.maximum(0.0, 1.0 - (one.depth - back) / recovered)
     own = load * np.array([shape(terms, s) for s in left])
-    curve = one.load * np.interp(back, one.depth - one.recovered * (1.0 - one.left[::-1]), one.share[::-1], left=0.0)
+    rows = one.depth - one.recovered * (1.0 - one.left[::-1])
+    curve = one.load * np.interp(back, rows, one.share[::-1], left=0.0)
     unloading = abs(own - curve) / one.load
     # load once, unload and reload on one line: each in proportion to its way
     way = (one.depth - first) / one.depth
@@ -61,7 +62,7 @@ def errors(body: Pressed, c: FloatArray, one: Unloading) -> Errors:
     found = np.array([shaped_area(law, c, local, d, shaped_loading(law, c, local, d)[1]) for d in body.depth[keep][-1:]])
     difference = abs(found / body.area[keep][-1:] - 1.0).max(initial=0.0)
     rests = area * np.array([shaped_area_left(law, c, local, one.depth, load, phi, area, recovered, terms, s) for s in left])
-    rested = one.area * np.interp(back, one.depth - one.recovered * (1.0 - one.left[::-1]), one.area_share[::-1], left=0.0)
+    rested = one.area * np.interp(back, rows, one.area_share[::-1], left=0.0)
     retreat = abs(rests - rested).mean() / one.area
     return Errors(mean, loading.mean(), (one.recovered - recovered) / one.depth, difference, retreat, body.name, one.depth * local[1])
 

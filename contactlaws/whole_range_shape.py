@@ -225,6 +225,5 @@ def shaped_terms(law, c, local, depth, phi):  # type: ignore[no-untyped-def]
 def shaped_area_left(law, c, local, depth, load, phi, area, recovered, terms, s):  # type: ignore[no-untyped-def]
     """Area over that at `depth` while a share s of the recovery is left, see `contactlaws.whole_range_unloading.retreat`."""
     stiffness, elastic = 1.5 * law.stiffness / (local[3] * local[4]), shaped_elastic_area(law, c, local, depth)
-    whole = stiffness * math.sqrt(area) * recovered / load
-    elastic_whole = stiffness * math.sqrt(elastic) * depth / shaped_elastic_load(law, c, local, depth)
-    return retreat(terms, phi, whole, elastic_whole, shaped_elastic_area(law, c, local, depth * s) / elastic, s)
+    begun, elastic_begun = (recovered, load, area), (depth, shaped_elastic_load(law, c, local, depth), elastic)
+    return retreat(terms, phi, stiffness, begun, elastic_begun, shaped_elastic_area(law, c, local, depth * s) / elastic, s)

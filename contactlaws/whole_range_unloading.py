@@ -131,8 +131,8 @@ def shape_slope(terms, s):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def area_by_slope(terms, whole, s):  # type: ignore[no-untyped-def]
-    """(a/a_max)^2 along the unloading with these terms; `whole` is 2 E* a_max times the recovery over the largest force.
+def area_by_slope(terms, stiffness, begun, s):  # type: ignore[no-untyped-def]
+    """(a/a_max)^2 along the unloading with these terms; stiffness: 2 E* over pi R Y; begun: recovery, force and area where it begins.
 
     The stiffness is x times that of the start, which is 1/y of the contact's own 2 E* a_max. What the compliance of the finite body differs
     by from that of the contact (pressed deep, it is stiffer) is taken to stay as it is; so a/a_max = x/(x + y (1 - x)).
@@ -142,29 +142,30 @@ def area_by_slope(terms, whole, s):  # type: ignore[no-untyped-def]
         return 1.0
     if slope <= 0.0:
         return 0.0
-    ratio = slope / (slope + whole * (1.0 - slope / start))
+    recovered, load, area = begun
+    ratio = slope / (slope + stiffness * math.sqrt(area) * recovered / load * (1.0 - slope / start))
     return ratio * ratio
 
 
 @kernel
-def retreat(terms, phi, whole, elastic_whole, own, s):  # type: ignore[no-untyped-def]
+def retreat(terms, phi, stiffness, begun, elastic_begun, own, s):  # type: ignore[no-untyped-def]
     """(a/a_max)^2 along an unloading: the power of `area_by_slope` that would make `own` of the elastic branch, as far as it is elastic.
 
-    elastic_whole: what `whole` would be on the elastic branch.
+    elastic_begun: what `begun` would be on the elastic branch.
     """
     if phi >= 1.0 or s <= 0.0:
         return own
     _, one, two, three, _, _ = terms
-    elastic, power = area_by_slope((1.0, one, two, three, 1.5, 0.0), elastic_whole, s), 1.0
+    elastic, power = area_by_slope((1.0, one, two, three, 1.5, 0.0), stiffness, elastic_begun, s), 1.0
     if own < 1.0 and 0.0 < elastic < 1.0:
         # where the elastic force of a long body is as steep as at the start, `elastic` is 1 and says nothing
         power += phi * (min(MOST_POWER, max(1.0 / MOST_POWER, math.log(own) / math.log(elastic))) - 1.0)
-    return area_by_slope(terms, whole, s) ** power
+    return area_by_slope(terms, stiffness, begun, s) ** power
 
 
 @kernel
 def area_left(law, depth, load, phi, area, recovered, terms, s):  # type: ignore[no-untyped-def]
     """(a/a_max)^2 while a share s of the recovery from `depth` is left."""
-    stiffness, elastic = 1.5 * law.stiffness, elastic_area(law, depth)  # 2 E* over pi R Y
-    whole, elastic_whole = stiffness * math.sqrt(area) * recovered / load, stiffness * math.sqrt(elastic) * depth / elastic_load(law, depth)
-    return retreat(terms, phi, whole, elastic_whole, elastic_area(law, depth * s) / elastic, s)
+    elastic = elastic_area(law, depth)
+    begun, elastic_begun = (recovered, load, area), (depth, elastic_load(law, depth), elastic)
+    return retreat(terms, phi, 1.5 * law.stiffness, begun, elastic_begun, elastic_area(law, depth * s) / elastic, s)
