@@ -275,9 +275,9 @@ def energies(values: Mapping[str, Any]) -> Figure:
     largest = float(max(np.max(np.abs(work)), *(np.max(term) for term in terms.values())))
     unit, word = _energy_unit(largest)
     time = np.asarray(values["time"]) / max(float(values["time"][-1]), 1e-300)
-    shown = [name for name, term in terms.items() if np.max(term) > VISIBLE * largest]
-    labels, colours = zip(*(LAYERS[name] for name in shown or ["stored"]), strict=True)
-    axis.stackplot(time, [terms[name] / unit for name in shown or ["stored"]], labels=labels, colors=colours, lw=0)
+    shown = [name for name, term in terms.items() if np.max(term) > VISIBLE * largest] or ["stored"]
+    labels, colours = zip(*(LAYERS[name] for name in shown), strict=True)
+    axis.stackplot(time, [terms[name] / unit for name in shown], labels=labels, colors=colours, lw=0)
     axis.plot(time, work / unit, color="black", lw=1.0, ls="--", label="work of the boundary")
     axis.set(xlabel="time over duration", ylabel=f"energy ({word})", xlim=(0, 1))
     axis.set_ylim(bottom=0)
