@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.batch import runner, store
+from cases.batch import runner, shards, store
 from cases.batch.local import LocalProcesses
 from cases.batch.store import Record, hash_of
 from cases.batch.task import Task
@@ -95,6 +95,16 @@ def run_traced(folder: str, count: int, method: str | None = None) -> None:
     """A whole run of the tasks that `traced` does, in two processes: what the test of kills kills."""
     with LocalProcesses(2, method=method) as workers:
         runner.run([task(f"t{number}") for number in range(count)], Path(folder), workers, Silent(), traced)
+
+
+def refuse(*_: object) -> Any:
+    """In the place of what must not be called."""
+    raise AssertionError("this is not to be read")
+
+
+def notes(folder: Path, kind: str) -> list[Path]:
+    """Files of the index that hold entries of a kind."""
+    return sorted(shards.place(folder).glob(f"{kind}-*"))
 
 
 def alive(pid: int) -> bool:

@@ -13,6 +13,7 @@ import pytest
 from cases.batch import index, results, shards, store
 from cases.batch.store import Record, hash_of
 from cases.batch.task import Task
+from tests.cases import stand_in
 
 TASKS = [Task("curves", f"t{n}", {}, key=hash_of(n), input=hash_of("i", n)) for n in range(5)]
 
@@ -37,17 +38,13 @@ def states(folder: Path) -> list[str | None]:
 
 def opened(folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[str | None]:
     """`states`, where no record may be opened."""
-
-    def refuse(text: bytes | str) -> Record:
-        raise AssertionError("a record was opened")
-
     with monkeypatch.context() as patch:
-        patch.setattr(store, "record_in", refuse)
+        patch.setattr(store, "record_in", stand_in.refuse)
         return states(folder)
 
 
 def notes(folder: Path) -> list[Path]:
-    return sorted(shards.place(folder).glob(f"{store.NOTES}-*"))
+    return stand_in.notes(folder, store.NOTES)
 
 
 def test_many_results_are_known_without_opening_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

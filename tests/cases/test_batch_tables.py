@@ -20,6 +20,7 @@ from contactlaws.curve_files import read_curve, write_curve
 from contactlaws.errors import InputError
 from contactlaws.unloading_table import write_table
 from contactlaws.version import code_version
+from tests.cases import stand_in
 
 TABLES = ("curves.csv", "unloadings.csv")
 
@@ -45,17 +46,13 @@ def written(folder: Path) -> list[bytes]:
 
 def unread(folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
     """`written`, where no curve may be read."""
-
-    def refuse(*_: object) -> str:
-        raise AssertionError("a curve was read")
-
     with monkeypatch.context() as patch:
-        patch.setattr(unloading_rows, "text_of", refuse)
+        patch.setattr(unloading_rows, "text_of", stand_in.refuse)
         return written(folder)
 
 
 def notes(folder: Path) -> list[Path]:
-    return sorted(shards.place(folder).glob(f"{unloading_rows.KIND}-*"))
+    return stand_in.notes(folder, unloading_rows.KIND)
 
 
 def test_rows_that_were_noted_when_the_curves_were_made_are_those_that_are_read(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
